@@ -1,0 +1,62 @@
+// The neutral snapshot: all that the ruler may know of a run, whichever code made it.
+//
+// A run is a time series of snapshots in one HDF5 file, `snapshots.h5`, with an XDMF description beside it so that
+// ParaView opens it with real time stamps. The file is written under another name and renamed when the series is
+// whole, so a file of that name is never half a run.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace talus::analysis {
+
+/// Positions and velocities are stored as the columns of 3 x n matrices.
+using Vectors = Eigen::Matrix3Xd;
+
+/// One moment. `volumes` are solid volumes: a grain's own volume, a particle's mass over its grain density.
+struct Snapshot {
+  double time = 0.0;        // s, from the moment the gate opens
+  Vectors positions;        // m, 3 x n
+  Vectors velocities;       // m/s, 3 x n
+  Eigen::VectorXd volumes;  // m^3, n
+};
+
+using SnapshotSeries = std::vector<Snapshot>;
+
+/// A snapshot file that is missing, foreign, damaged or not finite.
+class SnapshotError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Writes snapshots one at a time; nothing stands under the final name until finish() has returned.
+class SnapshotWriter {
+ public:
+  /// `made_by` is free text (JSON by custom) that says what made the file.
+  SnapshotWriter(std::filesystem::path file, std::string_view made_by);
+  ~SnapshotWriter();  // removes the unfinished file
+  SnapshotWriter(const SnapshotWriter&) = delete;
+  SnapshotWriter& operator=(const SnapshotWriter&) = delete;
+
+  /// Times must increase; sizes must agree; every number must be finite. Throws SnapshotError.
+  void append(const Snapshot& snapshot);
+  /// Closes the file, puts it in place, and writes the XDMF beside it. Throws SnapshotError.
+  void finish();
+
+ private:
+  struct File;
+  std::unique_ptr<File> file_;
+};
+
+/// Reads a whole series back. Throws SnapshotError naming the file and what is wrong with it.
+SnapshotSeries read_snapshots(const std::filesystem::path& file);
+
+/// Writes a whole series at once.
+void write_snapshots(const std::filesystem::path& file, const SnapshotSeries& series, std::string_view made_by);
+
+}  // namespace talus::analysis

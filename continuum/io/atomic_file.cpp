@@ -1,0 +1,67 @@
+#include "continuum/io/atomic_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "continuum/scene/checked_table.h"
+
+namespace talus {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
+  throw InputError(fmt::format("{}: {}: {}", file.string(), what, std::strerror(errno)));
+}
+
+}  // namespace
+
+void write_file_atomically(const std::filesystem::path& file, std::string_view content) {
+  std::filesystem::path temporary = file;
+  temporary += fmt::format(".partial-{}", ::getpid());
+  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (descriptor < 0) fail(file, "cannot write here");
+  const auto give_up = [&](const char* what) {
+    const int why = errno;
+    ::close(descriptor);
+    ::unlink(temporary.c_str());
+    errno = why;
+    fail(file, what);
+  };
+  while (!content.empty()) {
+    const ssize_t written = ::write(descriptor, content.data(), content.size());
+    if (written < 0) give_up("cannot write");
+    content.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (::fsync(descriptor) != 0) give_up("cannot flush to disk");
+  if (::close(descriptor) != 0) fail(file, "cannot close");
+  if (::rename(temporary.c_str(), file.c_str()) != 0) {
+    const int why = errno;
+    ::unlink(temporary.c_str());
+    errno = why;
+    fail(file, "cannot put in place");
+  }
+}
+
+std::string read_file(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));
+  std::ostringstream content;
+  content << in.rdbuf();
+  return content.str();
+}
+
+void make_writable_folder(const std::filesystem::path& folder) {
+  std::error_code why;
+  std::filesystem::create_directories(folder, why);
+  if (why) throw InputError(fmt::format("{}: cannot make this folder: {}", folder.string(), why.message()));
+  const auto probe = folder / fmt::format(".writable-{}", ::getpid());
+  write_file_atomically(probe, "");
+  std::filesystem::remove(probe);
+}
+
+}  // namespace talus

@@ -1,0 +1,19 @@
+// Files that are either whole or not there: written beside their place, flushed to the disk, then renamed.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace talus {
+
+/// Replaces `file` by `content`. Throws InputError when the folder cannot be written to or the disk is full;
+/// the old content, if any, is then untouched.
+void write_file_atomically(const std::filesystem::path& file, std::string_view content);
+
+/// The whole content of `file`. Throws InputError when it cannot be read.
+std::string read_file(const std::filesystem::path& file);
+
+/// Makes `folder` (and its parents) and proves that files can be written there. Throws InputError.
+void make_writable_folder(const std::filesystem::path& folder);
+
+}  // namespace talus

@@ -1,0 +1,73 @@
+#include "continuum/io/provenance.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <gsl/gsl_version.h>
+#include <openssl/evp.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <ctime>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "talus_git_version.h"
+
+namespace talus {
+namespace {
+
+std::string cpu_name() {
+  std::ifstream cpus("/proc/cpuinfo");
+  for (std::string line; std::getline(cpus, line);) {
+    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  }
+  return "unknown";
+}
+
+std::string host_name() {
+  utsname host{};
+  uname(&host);
+  return fmt::format("{} {} {}", host.sysname, host.release, host.machine);
+}
+
+}  // namespace
+
+nlohmann::json provenance() {
+  return {
+      {"version", TALUS_VERSION},
+      {"git_hash", TALUS_GIT_HASH},
+      {"git_dirty", TALUS_GIT_DIRTY},
+      {"compiler", fmt::format("g++ {}", __VERSION__)},
+      {"compiler_flags", TALUS_CXX_FLAGS},
+      {"build_type", TALUS_BUILD_TYPE},
+      {"libraries",
+       {{"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+        {"gsl", GSL_VERSION},
+        {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
+        {"nlohmann_json",
+         fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH)},
+        {"hdf5", TALUS_HDF5_VERSION}}},
+      {"host", host_name()},
+      {"cpu", cpu_name()},
+      {"cores", sysconf(_SC_NPROCESSORS_ONLN)},
+      {"time_utc", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
+  };
+}
+
+std::string version_line(std::string_view program) {
+  return fmt::format("{} {} (git {}{}) g++ {} {}", program, TALUS_VERSION, TALUS_GIT_HASH,
+                     TALUS_GIT_DIRTY ? ", dirty" : "", __VERSION__, TALUS_BUILD_TYPE);
+}
+
+std::string sha256(std::string_view content) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int size = 0;
+  EVP_Digest(content.data(), content.size(), digest.data(), &size, EVP_sha256(), nullptr);
+  std::string hex;
+  for (unsigned int i = 0; i < size; ++i) hex += fmt::format("{:02x}", digest[i]);
+  return hex;
+}
+
+}  // namespace talus

@@ -1,0 +1,19 @@
+// What made a file: the version, source, compiler, libraries and machine, for every output we write.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+
+namespace talus {
+
+/// Version, git hash and dirty flag, compiler, flags, build type, library versions, host, CPU and time.
+nlohmann::json provenance();
+
+/// "talus 0.1.0 (git 1a2b3c4, dirty) g++ 12.2.0 Release", for --version.
+std::string version_line(std::string_view program);
+
+/// SHA-256 of an input text, as hex digits: the name of an input in results.
+std::string sha256(std::string_view content);
+
+}  // namespace talus

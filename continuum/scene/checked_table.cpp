@@ -1,0 +1,266 @@
+#include "continuum/scene/checked_table.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+
+namespace talus {
+
+struct CheckedTable::Node {
+  std::shared_ptr<const toml::table> root;  // keeps `table` alive
+  const toml::table* table = nullptr;
+  std::filesystem::path file;
+  std::string prefix;                    // "geometry." for the keys of [geometry]
+  mutable std::set<std::string> asked;   // every name this table may hold
+};
+
+namespace {
+
+std::string value_text(const toml::node& node) {
+  std::ostringstream text;
+  node.visit([&](const auto& n) {
+    if constexpr (toml::is_table<decltype(n)>) text << "a table";
+    else text << n;
+  });
+  return text.str();
+}
+
+std::string range_text(Range allowed) {
+  const bool low = std::isfinite(allowed.low), high = std::isfinite(allowed.high);
+  if (allowed.low == smallest_positive) {
+    return high ? fmt::format("greater than 0 and at most {}", allowed.high) : "greater than 0";
+  }
+  if (low && high) return fmt::format("between {} and {}", allowed.low, allowed.high);
+  if (low) return fmt::format("at least {}", allowed.low);
+  if (high) return fmt::format("at most {}", allowed.high);
+  return "any finite number";
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i] != b[j]);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::optional<std::string> nearest_name(std::string_view wrong, const std::set<std::string>& names) {
+  std::optional<std::string> best;
+  std::size_t least = std::max<std::size_t>(2, wrong.size() / 3) + 1;
+  for (const auto& name : names) {
+    if (const auto distance = edit_distance(wrong, name); distance < least) {
+      least = distance;
+      best = name;
+    }
+  }
+  return best;
+}
+
+CheckedTable::CheckedTable(std::unique_ptr<Node> node) : node_(std::move(node)) {}
+CheckedTable::CheckedTable(CheckedTable&&) noexcept = default;
+CheckedTable& CheckedTable::operator=(CheckedTable&&) noexcept = default;
+CheckedTable::~CheckedTable() = default;
+
+CheckedTable CheckedTable::parse_file(const std::filesystem::path& file) {
+  if (!std::filesystem::is_regular_file(file)) {
+    throw InputError(fmt::format("{}: no such file; give the path of a TOML file", file.string()));
+  }
+  try {
+    auto node = std::make_unique<Node>();
+    node->root = std::make_shared<const toml::table>(toml::parse_file(file.string()));
+    node->table = node->root.get();
+    node->file = file;
+    return CheckedTable(std::move(node));
+  } catch (const toml::parse_error& bad) {
+    throw InputError(fmt::format("{}:{}: not valid TOML: {}", file.string(), bad.source().begin.line,
+                                 bad.description()));
+  }
+}
+
+const std::filesystem::path& CheckedTable::file() const { return node_->file; }
+
+bool CheckedTable::has(std::string_view key) const {
+  node_->asked.emplace(key);
+  return node_->table->contains(key);
+}
+
+InputError CheckedTable::error(std::string_view key, std::string_view why) const {
+  const toml::node* value = node_->table->get(key);
+  const auto line = value ? value->source().begin.line : node_->table->source().begin.line;
+  const std::string shown = value ? fmt::format(" = {}", value_text(*value)) : std::string();
+  return InputError(fmt::format("{}:{}: key '{}{}'{}: {}", node_->file.string(), line, node_->prefix, key, shown, why));
+}
+
+namespace {
+
+template <class T>
+constexpr std::string_view type_name() {
+  if constexpr (std::is_same_v<T, std::string>) return "text in quotes";
+  else if constexpr (std::is_same_v<T, double>) return "a number";
+  else return "a whole number";
+}
+
+}  // namespace
+
+double CheckedTable::number(std::string_view key, Range allowed) const {
+  if (!has(key)) throw error(key, fmt::format("is missing; it must be a number, {}", range_text(allowed)));
+  const auto value = node_->table->get(key)->value<double>();
+  if (!value || !node_->table->get(key)->is_number()) {
+    throw error(key, fmt::format("must be a number, {}", range_text(allowed)));
+  }
+  if (!std::isfinite(*value) || *value < allowed.low || *value > allowed.high) {
+    throw error(key, fmt::format("must be {}", range_text(allowed)));
+  }
+  return *value;
+}
+
+double CheckedTable::number(std::string_view key, Range allowed, double otherwise) const {
+  return has(key) ? number(key, allowed) : otherwise;
+}
+
+std::int64_t CheckedTable::integer(std::string_view key, std::int64_t low, std::int64_t high) const {
+  const std::string allowed = fmt::format("a whole number between {} and {}", low, high);
+  if (!has(key)) throw error(key, "is missing; it must be " + allowed);
+  const auto* value = node_->table->get(key)->as_integer();
+  if (!value || value->get() < low || value->get() > high) throw error(key, "must be " + allowed);
+  return value->get();
+}
+
+std::int64_t CheckedTable::integer(std::string_view key, std::int64_t low, std::int64_t high,
+                                   std::int64_t otherwise) const {
+  return has(key) ? integer(key, low, high) : otherwise;
+}
+
+std::string CheckedTable::string(std::string_view key) const {
+  if (!has(key)) throw error(key, "is missing; it must be text in quotes");
+  const auto* value = node_->table->get(key)->as_string();
+  if (!value) throw error(key, "must be text in quotes");
+  return value->get();
+}
+
+std::string CheckedTable::string(std::string_view key, std::string_view otherwise) const {
+  return has(key) ? string(key) : std::string(otherwise);
+}
+
+std::string CheckedTable::choice(std::string_view key, std::span<const std::string_view> allowed) const {
+  const std::string value = string(key);
+  if (std::find(allowed.begin(), allowed.end(), value) == allowed.end()) {
+    throw error(key, fmt::format("must be one of: {}", fmt::join(allowed, ", ")));
+  }
+  return value;
+}
+
+namespace {
+
+template <class T, class Table>
+std::vector<T> read_array(const Table& table, const toml::array* array, std::string_view key) {
+  std::vector<T> values;
+  for (const auto& element : *array) {
+    const auto value = element.template value<T>();
+    const bool right_type = std::is_same_v<T, double> ? element.is_number()
+                            : std::is_same_v<T, std::string> ? element.is_string() : element.is_integer();
+    if (!value || !right_type) throw table.error(key, fmt::format("each entry must be {}", type_name<T>()));
+    values.push_back(*value);
+  }
+  return values;
+}
+
+}  // namespace
+
+Eigen::Vector3d CheckedTable::vector(std::string_view key, Range allowed) const {
+  const auto* array = has(key) ? node_->table->get(key)->as_array() : nullptr;
+  if (!array || array->size() != 3) throw error(key, "must be three numbers, [x, y, z]");
+  const auto values = read_array<double>(*this, array, key);
+  for (const double value : values) {
+    if (!std::isfinite(value) || value < allowed.low || value > allowed.high) {
+      throw error(key, fmt::format("each entry must be {}", range_text(allowed)));
+    }
+  }
+  return {values[0], values[1], values[2]};
+}
+
+std::vector<std::int64_t> CheckedTable::integers(std::string_view key, std::int64_t low,
+                                                 std::int64_t high) const {
+  const auto* array = has(key) ? node_->table->get(key)->as_array() : nullptr;
+  const std::string allowed = fmt::format("whole numbers between {} and {}", low, high);
+  if (!array || array->empty()) throw error(key, fmt::format("must be a list of {}", allowed));
+  const auto values = read_array<std::int64_t>(*this, array, key);
+  const bool inside = std::all_of(values.begin(), values.end(), [&](auto v) { return v >= low && v <= high; });
+  if (!inside) throw error(key, "must hold " + allowed);
+  if (std::set(values.begin(), values.end()).size() != values.size()) throw error(key, "must not repeat an entry");
+  return values;
+}
+
+std::vector<std::string> CheckedTable::strings(std::string_view key) const {
+  const auto* array = has(key) ? node_->table->get(key)->as_array() : nullptr;
+  if (!array || array->empty()) throw error(key, "must be a list of texts in quotes");
+  return read_array<std::string>(*this, array, key);
+}
+
+CheckedTable CheckedTable::table(std::string_view key) const {
+  if (!has(key)) throw error(key, fmt::format("is missing; the file needs a table [{}{}]", node_->prefix, key));
+  const auto* table = node_->table->get(key)->as_table();
+  if (!table) throw error(key, fmt::format("must be a table, [{}{}]", node_->prefix, key));
+  return CheckedTable(std::make_unique<Node>(
+      Node{node_->root, table, node_->file, fmt::format("{}{}.", node_->prefix, key), {}}));
+}
+
+std::optional<CheckedTable> CheckedTable::optional_table(std::string_view key) const {
+  if (!has(key)) return std::nullopt;
+  return table(key);
+}
+
+std::vector<CheckedTable> CheckedTable::tables(std::string_view key) const {
+  const auto* array = has(key) ? node_->table->get(key)->as_array() : nullptr;
+  if (!array || array->empty() || !array->is_homogeneous(toml::node_type::table)) {
+    throw error(key, fmt::format("the file needs at least one [[{}{}]]", node_->prefix, key));
+  }
+  std::vector<CheckedTable> found;
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    found.push_back(CheckedTable(std::make_unique<Node>(
+        Node{node_->root, array->get(i)->as_table(), node_->file, fmt::format("{}{}[{}].", node_->prefix, key, i), {}})));
+  }
+  return found;
+}
+
+std::vector<std::pair<std::string, CheckedTable>> CheckedTable::named_tables() const {
+  std::vector<std::pair<std::string, CheckedTable>> found;
+  for (const auto& [key, value] : *node_->table) {
+    if (value.is_table()) found.emplace_back(std::string(key.str()), table(key.str()));
+  }
+  return found;
+}
+
+void CheckedTable::require_schema(std::int64_t version) const {
+  if (!has("schema")) throw error("schema", fmt::format("is missing; the file must say schema = {}", version));
+  if (integer("schema", 1, 1'000'000) != version) {
+    throw error("schema", fmt::format("this program reads schema {}", version));
+  }
+}
+
+void CheckedTable::finish() const {
+  for (const auto& [key, value] : *node_->table) {
+    const std::string name(key.str());
+    if (node_->asked.contains(name)) continue;
+    const auto meant = nearest_name(name, node_->asked);
+    throw error(name, fmt::format("is not a key of this file{}; allowed here: {}",
+                                  meant ? fmt::format("; did you mean '{}'?", *meant) : std::string(),
+                                  fmt::join(node_->asked, ", ")));
+  }
+}
+
+}  // namespace talus

@@ -1,0 +1,25 @@
+// Preflight of the discrete time step, made on every deck before it runs.
+//
+//   Rayleigh   T_R = pi r sqrt(rho / G) / (0.1631 nu + 0.8766)           time of a surface wave around the smallest grain
+//   Hertz      T_H = 2.87 (m*^2 / (R* E*^2 v))^(1/5)                     duration of a collision at the largest speed
+// (Thornton & Randall 1988; Johnson, Contact Mechanics 1985, eq. 11.24; the same pair that LIGGGHTS checks.)
+#pragma once
+
+#include "dem_cases/case.h"
+
+namespace talus::dem {
+
+inline constexpr double largest_rayleigh_fraction = 0.3;
+inline constexpr double largest_hertz_fraction = 0.2;
+
+struct TimeStepCheck {
+  double rayleigh_time;      // s
+  double hertz_time;         // s
+  double rayleigh_fraction;  // time_step / rayleigh_time
+  double hertz_fraction;     // time_step / hertz_time
+};
+
+/// Throws InputError naming the case file when either fraction is above its limit.
+TimeStepCheck check_time_step(const Case& column);
+
+}  // namespace talus::dem
