@@ -1,8 +1,14 @@
 // The neutral snapshot: all that the ruler may know of a run, whichever code made it.
 //
-// A run is a time series of snapshots in one HDF5 file, `snapshots.h5`, with an XDMF description beside it so that
-// ParaView opens it with real time stamps. The file is written under another name and renamed when the series is
-// whole, so a file of that name is never half a run.
+// A run is a time series of snapshots in one HDF5 file, `snapshots.h5`, with an XDMF description beside it so
+// that ParaView opens it with real time stamps. The file is written under another name and renamed when the
+// series is whole, so a file of that name is never half a run.
+//
+//   /                    attributes: format = "talus-snapshots", version = 1, made_by, frames, complete = 1
+//   /frame_000000        attribute: time (s)
+//     positions (n, 3)   velocities (n, 3)   volumes (n)      float64, shuffled and lightly deflated
+//
+// The number of items n may differ from frame to frame (grains leave, particles split).
 #pragma once
 
 #include <Eigen/Core>
@@ -43,9 +49,10 @@ class SnapshotWriter {
   SnapshotWriter(const SnapshotWriter&) = delete;
   SnapshotWriter& operator=(const SnapshotWriter&) = delete;
 
-  /// Times must increase; sizes must agree; every number must be finite. Throws SnapshotError.
+  /// Times must increase; sizes must agree; every number must be finite and every volume positive.
+  /// Throws SnapshotError; what was refused is not written.
   void append(const Snapshot& snapshot);
-  /// Closes the file, puts it in place, and writes the XDMF beside it. Throws SnapshotError.
+  /// Closes the file, flushes it to the disk, and puts it and its XDMF in place. Throws SnapshotError.
   void finish();
 
  private:
@@ -53,10 +60,15 @@ class SnapshotWriter {
   std::unique_ptr<File> file_;
 };
 
-/// Reads a whole series back. Throws SnapshotError naming the file and what is wrong with it.
+/// Where the XDMF of a snapshot file stands: the same name, ending in .xdmf.
+std::filesystem::path xdmf_file(const std::filesystem::path& snapshots);
+
+/// Reads a whole series back, held to the same rules as append(). Throws SnapshotError naming the file and
+/// what is wrong with it.
 SnapshotSeries read_snapshots(const std::filesystem::path& file);
 
 /// Writes a whole series at once.
-void write_snapshots(const std::filesystem::path& file, const SnapshotSeries& series, std::string_view made_by);
+void write_snapshots(const std::filesystem::path& file, const SnapshotSeries& series,
+                     std::string_view made_by);
 
 }  // namespace talus::analysis

@@ -1,10 +1,18 @@
 // What is measured of a column collapse, identically for every code.
 //
-//   depth(x)  = V(x) / (dx W phi_0)          equivalent depth: the solid volume above dx, at the packing phi_0
-//   phi_0     = V / (L0 W H0),  H0 = 2 z_cm  the volume fraction of the settled column, at release
-//   front     = largest x of the heap, the part joined to the back wall, with depth >= front_depth
-//   x_q       : the fraction q of the solid volume lies behind x_q (quantiles; not noisy, so reported beside the front)
-//   stop time : the first time after which the centre of mass stays within 1 % of its total displacement of its end
+//   depth(x)  = V(x) / (dx W phi_0)          equivalent depth: the solid volume above dx, at the packing
+//   phi_0 phi_0     = V / (L0 W H0),  H0 = 2 z_cm  the volume fraction of the settled column, at release
+//   front     = largest x of the heap, the part joined to the back wall, with depth >= front_depth; between
+//   bin
+//               centres the depth is taken as linear. A sloping front is exact where front_depth is more than
+//               its rise over two bins; a vertical step is smeared over three bins and reads up to 1.5 bins
+//               far.
+//   x_q       : the fraction q of the solid volume lies behind x_q (quantiles; not noisy, so reported beside
+//   the front) stop time : the first time after which the centre of mass stays within 1 % of its total
+//   displacement of its end
+//               (linear between snapshots)
+// x is measured from the back wall, z from the floor. All sums are over items, whatever their number or
+// order.
 #pragma once
 
 #include <string>
@@ -44,6 +52,7 @@ struct CollapseObservables {
   double stop_time;                // s
   double settled_height;           // H0 over L0, at release
   double settled_volume_fraction;  // phi_0
+  double lost_volume;              // fraction of the released solid volume that is gone at the end
   bool at_rest;                    // the front moved less than one bin over the last 10 % of the time
 };
 
@@ -53,13 +62,17 @@ struct CollapseMeasurement {
   DepthProfile final_profile;
 };
 
-/// Throws SnapshotError when the series is empty, does not start at the release, or holds no volume.
+/// Throws SnapshotError when the series is empty, does not start at the release, holds no volume, or when an
+/// item has passed through the back wall or is absurdly far away (both are leaks of the code that made the
+/// series).
 CollapseMeasurement measure_column_collapse(const SnapshotSeries& series, const CollapseRuler& ruler);
 
 /// Depth profile of one snapshot; each item's volume is shared linearly by the two nearest bins.
 DepthProfile depth_profile(const Snapshot& snapshot, const CollapseRuler& ruler, double volume_fraction);
 
-/// The x behind which the fraction q in (0, 1) of the solid volume lies, m.
+/// The x behind which the fraction q in (0, 1) of the solid volume lies, m. Half of an item's own volume
+/// counts as behind it, and between items the volume is linear in x. Throws SnapshotError for a snapshot
+/// without volume, std::invalid_argument for another q.
 double volume_quantile(const Snapshot& snapshot, double q);
 
 }  // namespace talus::analysis

@@ -1,0 +1,259 @@
+// The snapshot file: what goes in comes out, and nothing that is not a whole run passes for one.
+#include "analysis/snapshot.h"
+
+#include <H5Cpp.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <regex>
+
+#include "analysis/xdmf.h"
+
+namespace talus::analysis {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+Snapshot cloud(double time, Eigen::Index count) {
+  std::srand(42);  // Eigen's Random draws from it
+  return {time, Vectors::Random(3, count), Vectors::Random(3, count),
+          Eigen::VectorXd::Random(count).array() + 1.5};
+}
+
+std::string content_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class SnapshotFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder = fs::path(::testing::TempDir()) / fmt::format("talus-{}-{}", test->name(), ::getpid());
+    fs::create_directories(folder);
+    file = folder / "snapshots.h5";
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  std::size_t files_left() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+  }
+
+  /// The message of the error that reading the file must give; it names the file.
+  std::string reading_error() const {
+    try {
+      read_snapshots(file);
+    } catch (const SnapshotError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(file.string()));
+      return error.what();
+    }
+    ADD_FAILURE() << "read_snapshots accepted " << file;
+    return {};
+  }
+
+  fs::path folder, file;
+};
+
+TEST_F(SnapshotFile, RoundTripIsExact) {
+  // Frames of several sizes, one of them larger than an HDF5 chunk, one of them empty.
+  const SnapshotSeries written{cloud(0.0, 7), cloud(0.1, 70000), cloud(0.25, 0), cloud(1.0 / 3.0, 1)};
+  write_snapshots(file, written, R"({"program": "test"})");
+  const SnapshotSeries read = read_snapshots(file);
+  ASSERT_EQ(read.size(), written.size());
+  for (std::size_t k = 0; k < read.size(); ++k) {
+    EXPECT_EQ(read[k].time, written[k].time);
+    EXPECT_EQ(read[k].positions, written[k].positions);
+    EXPECT_EQ(read[k].velocities, written[k].velocities);
+    EXPECT_EQ(read[k].volumes, written[k].volumes);
+  }
+  EXPECT_EQ(files_left(), 2u);  // and nothing but the HDF5 and its XDMF
+}
+
+TEST_F(SnapshotFile, SaysWhatMadeIt) {
+  write_snapshots(file, {cloud(0.0, 3)}, "talus test, gr\u00e4n");
+  const H5::H5File hdf5(file.string(), H5F_ACC_RDONLY);
+  std::string made_by;
+  const H5::Attribute attribute = hdf5.openAttribute("made_by");
+  attribute.read(attribute.getStrType(), made_by);
+  EXPECT_EQ(made_by, "talus test, gr\u00e4n");
+}
+
+TEST_F(SnapshotFile, UnfinishedWriterLeavesNothing) {
+  {
+    SnapshotWriter writer(file, "test");
+    writer.append(cloud(0.0, 5));
+    EXPECT_FALSE(fs::exists(file));
+  }
+  EXPECT_EQ(files_left(), 0u);
+}
+
+TEST_F(SnapshotFile, UnfinishedWriterLeavesTheOldFileAlone) {
+  write_snapshots(file, {cloud(0.0, 5)}, "test");
+  const std::string before = content_of(file);
+  { SnapshotWriter(file, "test").append(cloud(0.0, 9)); }
+  EXPECT_EQ(content_of(file), before);
+}
+
+TEST_F(SnapshotFile, KilledRunDoesNotPassEvenIfRenamed) {
+  SnapshotWriter writer(file, "test");
+  writer.append(cloud(0.0, 5));
+  H5::H5File(file.string() + ".partial", H5F_ACC_RDWR).flush(H5F_SCOPE_GLOBAL);
+  fs::copy(file.string() + ".partial", file);  // what stands on the disk when a run is killed
+  reading_error();
+}
+
+TEST_F(SnapshotFile, WriterRefusesWhatIsNotASnapshot) {
+  SnapshotWriter writer(file, "test");
+  writer.append(cloud(1.0, 3));
+  EXPECT_THROW(writer.append(cloud(1.0, 3)), SnapshotError);  // time stands still
+  Snapshot bad = cloud(2.0, 3);
+  bad.velocities.resize(3, 2);
+  EXPECT_THROW(writer.append(bad), SnapshotError);
+  bad = cloud(2.0, 3);
+  bad.positions(1, 1) = not_a_number;
+  EXPECT_THROW(writer.append(bad), SnapshotError);
+  bad = cloud(2.0, 3);
+  bad.volumes[0] = 0.0;
+  EXPECT_THROW(writer.append(bad), SnapshotError);
+  EXPECT_THROW(writer.append(cloud(not_a_number, 3)), SnapshotError);
+  writer.append(cloud(2.0, 3));  // what was refused did no harm
+  writer.finish();
+  EXPECT_EQ(read_snapshots(file).size(), 2u);
+  EXPECT_THROW(writer.append(cloud(3.0, 3)), SnapshotError);
+  EXPECT_THROW(writer.finish(), SnapshotError);
+}
+
+TEST_F(SnapshotFile, UnwritableFolder) {
+  EXPECT_THROW(SnapshotWriter(folder / "absent" / "snapshots.h5", "test"), SnapshotError);
+}
+
+TEST_F(SnapshotFile, MissingFile) { EXPECT_THAT(reading_error(), HasSubstr("no such file")); }
+
+TEST_F(SnapshotFile, ForeignFiles) {
+  std::ofstream(file) << "time,x,y,z\n";
+  EXPECT_THAT(reading_error(), HasSubstr("not a snapshot file"));
+  H5::H5File(file.string(), H5F_ACC_TRUNC).createGroup("frame_000000");
+  EXPECT_THAT(reading_error(), HasSubstr("not a Talus snapshot file"));
+}
+
+TEST_F(SnapshotFile, TruncatedAnywhere) {
+  write_snapshots(file, {cloud(0.0, 500), cloud(1.0, 500)}, "test");
+  const std::string whole = content_of(file);
+  for (const double part : {0.0, 0.01, 0.3, 0.9, 0.999}) {
+    std::ofstream(file, std::ios::binary)
+        << whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size())));
+    reading_error();
+  }
+}
+
+TEST_F(SnapshotFile, DamagedDataIsNoticed) {
+  write_snapshots(file, {cloud(0.0, 20000)}, "test");
+  std::string damaged = content_of(file);
+  for (std::size_t k = damaged.size() / 2; k < damaged.size() / 2 + 200; ++k) damaged[k] = '\x55';
+  std::ofstream(file, std::ios::binary) << damaged;
+  reading_error();
+}
+
+/// Opens a good file and lets `change` spoil it.
+template <typename Change>
+void spoil(const fs::path& file, Change&& change) {
+  H5::H5File hdf5(file.string(), H5F_ACC_RDWR);
+  change(hdf5);
+}
+
+TEST_F(SnapshotFile, NotFiniteOrInconsistentContent) {
+  const SnapshotSeries good{cloud(0.0, 4), cloud(1.0, 4)};
+  write_snapshots(file, good, "test");
+  spoil(file, [](H5::H5File& hdf5) {
+    const Vectors bad = Vectors::Constant(3, 4, not_a_number);
+    hdf5.openDataSet("frame_000001/velocities").write(bad.data(), H5::PredType::NATIVE_DOUBLE);
+  });
+  EXPECT_THAT(reading_error(), HasSubstr("frame 1 (t = 1 s): a velocity is not finite"));
+
+  write_snapshots(file, good, "test");
+  spoil(file, [](H5::H5File& hdf5) {
+    const double zero = 0.0;
+    hdf5.openGroup("frame_000001").openAttribute("time").write(H5::PredType::NATIVE_DOUBLE, &zero);
+  });
+  EXPECT_THAT(reading_error(), HasSubstr("times must increase"));
+
+  write_snapshots(file, good, "test");
+  spoil(file, [](H5::H5File& hdf5) {
+    hdf5.unlink("frame_000000/volumes");
+    hdf5.move("frame_000001/volumes", "frame_000000/volumes");
+  });
+  reading_error();
+
+  write_snapshots(file, good, "test");
+  spoil(file, [](H5::H5File& hdf5) {  // n x 3 where n is wanted
+    hdf5.unlink("frame_000000/volumes");
+    hdf5.move("frame_000001/positions", "frame_000000/volumes");
+  });
+  EXPECT_THAT(reading_error(), HasSubstr("not a float table"));
+}
+
+TEST_F(SnapshotFile, AnotherVersionOrNotComplete) {
+  write_snapshots(file, {cloud(0.0, 4)}, "test");
+  const auto set = [&](const char* name, int value) {
+    spoil(file, [&](H5::H5File& hdf5) { hdf5.openAttribute(name).write(H5::PredType::NATIVE_INT, &value); });
+  };
+  set("complete", 0);
+  EXPECT_THAT(reading_error(), HasSubstr("did not finish"));
+  set("complete", 1);
+  set("frames", 2);
+  reading_error();
+  set("frames", 1);
+  set("version", 2);
+  EXPECT_THAT(reading_error(), HasSubstr("version 2"));
+}
+
+TEST_F(SnapshotFile, XdmfDescribesTheHdf5) {
+  const SnapshotSeries series{cloud(0.0, 5), cloud(0.125, 3)};
+  write_snapshots(file, series, "test");
+  const std::string xdmf = content_of(xdmf_file(file));
+
+  // Well-formed: every element that opens closes, in order.
+  std::vector<std::string> open;
+  const std::regex tag(R"re(<(/?)(\w+)((?:\s+\w+="[^"<]*")*)\s*(/?)>)re");
+  std::string between = xdmf.substr(xdmf.find("?>") + 2);
+  for (std::sregex_iterator match(between.begin(), between.end(), tag), end; match != end; ++match) {
+    if ((*match)[1].length() > 0) {
+      ASSERT_FALSE(open.empty());
+      EXPECT_EQ(open.back(), (*match)[2]);
+      open.pop_back();
+    } else if ((*match)[4].length() == 0) {
+      open.push_back((*match)[2]);
+    }
+  }
+  EXPECT_TRUE(open.empty());
+  EXPECT_EQ(std::regex_replace(between, tag, "").find_first_of("<>"), std::string::npos);
+
+  // Every path it names is in the HDF5, with the size it states.
+  const H5::H5File hdf5(file.string(), H5F_ACC_RDONLY);
+  const std::regex item(R"re(Dimensions="(\d+)( 3)?">snapshots\.h5:([^<]+)<)re");
+  std::size_t items = 0;
+  for (std::sregex_iterator match(between.begin(), between.end(), item), end; match != end;
+       ++match, ++items) {
+    const auto stated = std::stoll((*match)[1]) * ((*match)[2].matched ? 3 : 1);
+    EXPECT_EQ(hdf5.openDataSet((*match)[3]).getSpace().getSimpleExtentNpoints(), stated) << (*match)[3];
+  }
+  EXPECT_EQ(items, 3 * series.size());
+  EXPECT_THAT(xdmf, HasSubstr(R"(<Time Value="0.125"/>)"));
+  EXPECT_THAT(xdmf, HasSubstr(R"(CollectionType="Temporal")"));
+}
+
+TEST(Xdmf, EscapesTheFileName) {
+  const std::vector<FrameEntry> frames{{0.0, 1}};
+  EXPECT_THAT(xdmf_document("a&b<c>.h5", frames), HasSubstr("a&amp;b&lt;c&gt;.h5:/frame_000000/positions"));
+}
+
+}  // namespace
+}  // namespace talus::analysis
