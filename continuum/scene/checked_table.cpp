@@ -15,8 +15,8 @@ struct CheckedTable::Node {
   std::shared_ptr<const toml::table> root;  // keeps `table` alive
   const toml::table* table = nullptr;
   std::filesystem::path file;
-  std::string prefix;                    // "geometry." for the keys of [geometry]
-  mutable std::set<std::string> asked;   // every name this table may hold
+  std::string prefix;                   // "geometry." for the keys of [geometry]
+  mutable std::set<std::string> asked;  // every name this table may hold
 };
 
 namespace {
@@ -24,8 +24,10 @@ namespace {
 std::string value_text(const toml::node& node) {
   std::ostringstream text;
   node.visit([&](const auto& n) {
-    if constexpr (toml::is_table<decltype(n)>) text << "a table";
-    else text << n;
+    if constexpr (toml::is_table<decltype(n)>)
+      text << "a table";
+    else
+      text << n;
   });
   return text.str();
 }
@@ -86,8 +88,8 @@ CheckedTable CheckedTable::parse_file(const std::filesystem::path& file) {
     node->file = file;
     return CheckedTable(std::move(node));
   } catch (const toml::parse_error& bad) {
-    throw InputError(fmt::format("{}:{}: not valid TOML: {}", file.string(), bad.source().begin.line,
-                                 bad.description()));
+    throw InputError(
+        fmt::format("{}:{}: not valid TOML: {}", file.string(), bad.source().begin.line, bad.description()));
   }
 }
 
@@ -102,16 +104,20 @@ InputError CheckedTable::error(std::string_view key, std::string_view why) const
   const toml::node* value = node_->table->get(key);
   const auto line = value ? value->source().begin.line : node_->table->source().begin.line;
   const std::string shown = value ? fmt::format(" = {}", value_text(*value)) : std::string();
-  return InputError(fmt::format("{}:{}: key '{}{}'{}: {}", node_->file.string(), line, node_->prefix, key, shown, why));
+  return InputError(
+      fmt::format("{}:{}: key '{}{}'{}: {}", node_->file.string(), line, node_->prefix, key, shown, why));
 }
 
 namespace {
 
 template <class T>
 constexpr std::string_view type_name() {
-  if constexpr (std::is_same_v<T, std::string>) return "text in quotes";
-  else if constexpr (std::is_same_v<T, double>) return "a number";
-  else return "a whole number";
+  if constexpr (std::is_same_v<T, std::string>)
+    return "text in quotes";
+  else if constexpr (std::is_same_v<T, double>)
+    return "a number";
+  else
+    return "a whole number";
 }
 
 }  // namespace
@@ -171,8 +177,9 @@ std::vector<T> read_array(const Table& table, const toml::array* array, std::str
   std::vector<T> values;
   for (const auto& element : *array) {
     const auto value = element.template value<T>();
-    const bool right_type = std::is_same_v<T, double> ? element.is_number()
-                            : std::is_same_v<T, std::string> ? element.is_string() : element.is_integer();
+    const bool right_type = std::is_same_v<T, double>        ? element.is_number()
+                            : std::is_same_v<T, std::string> ? element.is_string()
+                                                             : element.is_integer();
     if (!value || !right_type) throw table.error(key, fmt::format("each entry must be {}", type_name<T>()));
     values.push_back(*value);
   }
@@ -199,9 +206,11 @@ std::vector<std::int64_t> CheckedTable::integers(std::string_view key, std::int6
   const std::string allowed = fmt::format("whole numbers between {} and {}", low, high);
   if (!array || array->empty()) throw error(key, fmt::format("must be a list of {}", allowed));
   const auto values = read_array<std::int64_t>(*this, array, key);
-  const bool inside = std::all_of(values.begin(), values.end(), [&](auto v) { return v >= low && v <= high; });
+  const bool inside =
+      std::all_of(values.begin(), values.end(), [&](auto v) { return v >= low && v <= high; });
   if (!inside) throw error(key, "must hold " + allowed);
-  if (std::set(values.begin(), values.end()).size() != values.size()) throw error(key, "must not repeat an entry");
+  if (std::set(values.begin(), values.end()).size() != values.size())
+    throw error(key, "must not repeat an entry");
   return values;
 }
 
@@ -212,7 +221,8 @@ std::vector<std::string> CheckedTable::strings(std::string_view key) const {
 }
 
 CheckedTable CheckedTable::table(std::string_view key) const {
-  if (!has(key)) throw error(key, fmt::format("is missing; the file needs a table [{}{}]", node_->prefix, key));
+  if (!has(key))
+    throw error(key, fmt::format("is missing; the file needs a table [{}{}]", node_->prefix, key));
   const auto* table = node_->table->get(key)->as_table();
   if (!table) throw error(key, fmt::format("must be a table, [{}{}]", node_->prefix, key));
   return CheckedTable(std::make_unique<Node>(
@@ -231,8 +241,11 @@ std::vector<CheckedTable> CheckedTable::tables(std::string_view key) const {
   }
   std::vector<CheckedTable> found;
   for (std::size_t i = 0; i < array->size(); ++i) {
-    found.push_back(CheckedTable(std::make_unique<Node>(
-        Node{node_->root, array->get(i)->as_table(), node_->file, fmt::format("{}{}[{}].", node_->prefix, key, i), {}})));
+    found.push_back(CheckedTable(std::make_unique<Node>(Node{node_->root,
+                                                             array->get(i)->as_table(),
+                                                             node_->file,
+                                                             fmt::format("{}{}[{}].", node_->prefix, key, i),
+                                                             {}})));
   }
   return found;
 }
@@ -246,7 +259,8 @@ std::vector<std::pair<std::string, CheckedTable>> CheckedTable::named_tables() c
 }
 
 void CheckedTable::require_schema(std::int64_t version) const {
-  if (!has("schema")) throw error("schema", fmt::format("is missing; the file must say schema = {}", version));
+  if (!has("schema"))
+    throw error("schema", fmt::format("is missing; the file must say schema = {}", version));
   if (integer("schema", 1, 1'000'000) != version) {
     throw error("schema", fmt::format("this program reads schema {}", version));
   }

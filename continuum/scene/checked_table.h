@@ -49,7 +49,8 @@ class CheckedTable {
   double number(std::string_view key, Range allowed = {}) const;
   double number(std::string_view key, Range allowed, double otherwise) const;
   std::int64_t integer(std::string_view key, std::int64_t low, std::int64_t high) const;
-  std::int64_t integer(std::string_view key, std::int64_t low, std::int64_t high, std::int64_t otherwise) const;
+  std::int64_t integer(std::string_view key, std::int64_t low, std::int64_t high,
+                       std::int64_t otherwise) const;
   std::string string(std::string_view key) const;
   std::string string(std::string_view key, std::string_view otherwise) const;
   /// One of `allowed`.

@@ -1,0 +1,39 @@
+// Particles <-> grid with the trilinear kernel.
+//
+// Weights that fall on a face or cell which is not in use (inside a wall, or beyond the free surface) go to
+// the one of the particle's own cell in the same place along the other axes. So weights always sum to one:
+// the grid holds exactly the particles' mass, momentum and volume, and what a face's velocity gains the
+// particles gain. (Section 4 of method.md asks this for walls; carrying it to the free surface makes a
+// layer's friction right without extrapolating velocities.)
+#pragma once
+
+#include <span>
+
+#include "continuum/grid/active_region.h"
+#include "continuum/grid/operators.h"
+#include "continuum/materials/material.h"
+#include "continuum/particles/particles.h"
+
+namespace talus {
+
+/// Face fields here have face_count() entries: open faces, null, wall faces.
+struct GridState {
+  Field fill;         // cells + 1: phi = deposited minimum volume / cell volume
+  Field friction;     // cells + 1: mu, mean over the deposited volume
+  Field face_mass;    // kg
+  Field face_volume;  // m^3, minimum volume m / rho_max
+  Field velocity;     // v^n, m/s
+};
+
+GridState deposit(const ActiveRegion& region, const Particles& particles,
+                  std::span<const Material> materials);
+
+/// Fill alone, for the density correction.
+Field deposit_fill(const ActiveRegion& region, const Particles& particles,
+                   std::span<const Material> materials);
+
+/// The face field interpolated to each particle, 3 x n.
+Eigen::Matrix3Xd interpolate(const ActiveRegion& region, const Field& faces,
+                             const Eigen::Matrix3Xd& positions);
+
+}  // namespace talus

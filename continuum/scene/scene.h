@@ -1,0 +1,40 @@
+// What the user wrote: a scene file, checked, in SI units and radians.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "continuum/step.h"
+
+namespace talus {
+
+/// A box filled with particles of one material at its packing limit.
+struct BoxSource {
+  std::size_t material;
+  Eigen::Vector3d lower, upper;  // m
+};
+
+struct Scene {
+  std::filesystem::path file;
+  std::string input_hash;  // SHA-256 of the file's text
+  Grid grid;
+  DomainSides sides;
+  Eigen::Vector3d gravity;
+  std::vector<Material> materials;
+  std::vector<BoxSource> boxes;
+  int particles_per_cell;  // n^3, a lattice of n per axis
+  double jitter;           // of the lattice, as a fraction of its spacing
+  std::uint64_t seed;
+  double end_time;        // s
+  double frame_interval;  // s
+  StepSettings settings;
+};
+
+/// Reads and checks a scene. Throws InputError naming file, line, key, value and what is allowed.
+Scene read_scene(const std::filesystem::path& file);
+
+/// The state at time zero: particles on a jittered lattice in every source.
+State initial_state(const Scene& scene);
+
+}  // namespace talus

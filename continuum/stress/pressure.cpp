@@ -1,0 +1,40 @@
+#include "continuum/stress/pressure.h"
+
+namespace talus {
+
+BoundQpResult solve_pressure(const ActiveRegion& region, const Field& inverse_mass,
+                             const Field& free_velocity, const Field& room, const BoundQpSettings& settings,
+                             Field& pressure) {
+  const Eigen::Index n = region.cell_count();
+  Field cells = Field::Zero(n + 1), faces = Field::Zero(region.open_faces + 1),
+        transposed = Field::Zero(n + 1);
+  const auto apply = [&](const Field& p, Field& product) {
+    cells.head(n) = p;
+    faces.setZero();
+    add_gradient(region, cells, 1.0, faces);
+    faces *= inverse_mass;
+    gradient_transpose(region, faces, transposed);
+    product = transposed.head(n);
+  };
+  Field diagonal = Field::Zero(n);
+  for (int f = 0; f < region.open_faces; ++f) {
+    const auto [below, above] = region.face_cells[static_cast<std::size_t>(f)];
+    if (below == above) continue;  // a periodic axis one cell long: no gradient across it
+    if (below != region.null_cell()) diagonal[below] += inverse_mass[f];
+    if (above != region.null_cell()) diagonal[above] += inverse_mass[f];
+  }
+  // A cell walled in on every side has no face to move; its pressure does nothing and is left at zero.
+  const double smallest = 1e-12 * diagonal.maxCoeff();
+  const Field upper = (diagonal > smallest).select(std::numeric_limits<double>::infinity(), Field::Zero(n));
+  diagonal = diagonal.max(std::max(smallest, std::numeric_limits<double>::min()));
+
+  gradient_transpose(region, free_velocity, transposed);
+  const Field b = room.head(n) - transposed.head(n);
+  constexpr double norm = 2.0;  // Gershgorin: a diagonally scaled graph Laplacian has its spectrum in [0, 2]
+  Field x = pressure.head(n);
+  const auto result = minimise_bound_qp(apply, b, Field::Zero(n), upper, diagonal, norm, settings, x);
+  pressure.head(n) = x;
+  return result;
+}
+
+}  // namespace talus

@@ -1,0 +1,114 @@
+#include "continuum/stress/staggered_projections.h"
+
+#include "continuum/stress/friction.h"
+#include "continuum/stress/pressure.h"
+
+namespace talus {
+namespace {
+
+constexpr Eigen::Index values_per_cell = components_per_copy * copies_per_cell;
+constexpr Eigen::Index values_per_wall_face = 2 * copies_per_wall_face;
+
+/// Inverse of the mass each open face moves with, 0 for the null face.
+Field inverse_face_mass(const ActiveRegion& region, const GridState& state) {
+  const Eigen::Index faces = region.open_faces + 1;
+  const Field fill = state.face_volume.head(faces) / region.grid.cell_volume();
+  // Same density, at least the smallest fill: mass * max(fill, smallest) / fill.
+  Field inverse =
+      (state.face_mass.head(faces) > 0.0)
+          .select(fill / (state.face_mass.head(faces) * fill.max(smallest_face_fill)).max(1e-300), 0.0);
+  inverse[region.null_face()] = 0.0;
+  return inverse;
+}
+
+/// The impulse each wall face absorbs in its half cell, which the pressure never sees; and the one-sided wall
+/// velocity: grains may leave a wall, not enter it.
+Eigen::ArrayXd stop_at_walls(const ActiveRegion& region, const GridState& state, Field& velocity) {
+  Eigen::ArrayXd reaction(static_cast<Eigen::Index>(region.wall_faces.size()));
+  for (std::size_t w = 0; w < region.wall_faces.size(); ++w) {
+    const WallFace& wall = region.wall_faces[w];
+    const double into_wall = std::max(0.0, -wall.inward * velocity[wall.face]);
+    reaction[static_cast<Eigen::Index>(w)] = state.face_mass[wall.face] * into_wall;
+    if (into_wall > 0.0) velocity[wall.face] = 0.0;
+  }
+  return reaction;
+}
+
+}  // namespace
+
+ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt, double velocity_scale,
+                         bool cold, const ProjectionSettings& settings, double& lipschitz, Stress& stress,
+                         Field& velocity) {
+  const Eigen::Index faces = region.open_faces + 1;
+  const double tolerance = settings.tolerance * velocity_scale;
+  const Eigen::ArrayXd reaction = stop_at_walls(region, state, velocity);
+  const Field free_velocity = velocity.head(faces);
+  const Field inverse_mass = inverse_face_mass(region, state);
+  const Field mass = (inverse_mass > 0.0).select(inverse_mass.max(1e-300).inverse(), 0.0);
+  const Field room = (packed_fill - state.fill).max(0.0) * (region.grid.spacing / dt);
+
+  const FrictionOperator friction(region);
+  friction.clear_idle(stress.copies);
+  BallBlocks balls = friction.blocks(inverse_mass);
+  const auto apply = [&](const Eigen::ArrayXd& copies, Field& impulse) { friction.apply(copies, impulse); };
+  const auto transpose = [&](const Field& v, Eigen::ArrayXd& strain) { friction.apply_transpose(v, strain); };
+  const ConeProjectionSettings cone{tolerance * tolerance * mass.sum(), settings.max_friction_iterations};
+  const BoundQpSettings bound{tolerance, settings.max_pressure_iterations};
+
+  ProjectionReport report;
+  Field impulse(faces), without_friction(faces), without_pressure(faces), projected(faces);
+  for (int n = 0; n < (cold ? settings.cold_iterations : settings.iterations); ++n) {
+    impulse.setZero();
+    add_gradient(region, stress.pressure, -1.0, impulse);
+    without_friction = free_velocity + inverse_mass * impulse;
+    set_friction_radii(region, friction, state.friction, stress.pressure, reaction, stress.copies, balls);
+    const auto frictional = project_onto_cone(apply, transpose, balls, mass, without_friction, cone,
+                                              lipschitz, stress.copies, projected);
+
+    friction.apply(stress.copies, impulse);
+    without_pressure = free_velocity + inverse_mass * impulse;
+    const auto packed = solve_pressure(region, inverse_mass, without_pressure, room, bound, stress.pressure);
+
+    report.friction_iterations += frictional.iterations;
+    report.pressure_iterations += packed.iterations;
+    report.cap_hits += !frictional.converged + !packed.converged;
+    report.friction_residual = std::sqrt(frictional.gap / mass.sum());
+    report.pressure_residual = packed.residual;
+  }
+  impulse.setZero();
+  add_gradient(region, stress.pressure, -1.0, impulse);
+  velocity.head(faces) = without_pressure + inverse_mass * impulse;
+  return report;
+}
+
+Stress zero_stress(const ActiveRegion& region) {
+  const auto walls = static_cast<Eigen::Index>(region.wall_faces.size());
+  return {Field::Zero(region.cell_count() + 1),
+          Eigen::ArrayXd::Zero(values_per_cell * region.cell_count() + values_per_wall_face * walls)};
+}
+
+Stress carry_over(const ActiveRegion& from, const Stress& stress, const ActiveRegion& to, double dt_ratio) {
+  Stress carried = zero_stress(to);
+  for (int cell = 0; cell < to.cell_count(); ++cell) {
+    const int before =
+        from.cell_of_dense[static_cast<std::size_t>(to.dense_of_cell[static_cast<std::size_t>(cell)])];
+    if (before < 0) continue;
+    carried.pressure[cell] = dt_ratio * stress.pressure[before];
+    carried.copies.segment(values_per_cell * cell, values_per_cell) =
+        dt_ratio * stress.copies.segment(values_per_cell * before, values_per_cell);
+  }
+  const Eigen::Index walls_from = values_per_cell * from.cell_count(),
+                     walls_to = values_per_cell * to.cell_count();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t dense = 0; dense < to.face_of_dense[axis].size(); ++dense) {
+      const int now = to.face_of_dense[axis][dense] - to.open_faces - 1;
+      const int before = from.face_of_dense[axis][dense] - from.open_faces - 1;
+      if (now < 0 || before < 0) continue;
+      carried.copies.segment(walls_to + values_per_wall_face * now, values_per_wall_face) =
+          dt_ratio * stress.copies.segment(walls_from + values_per_wall_face * before, values_per_wall_face);
+    }
+  }
+  return carried;
+}
+
+}  // namespace talus
