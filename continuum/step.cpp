@@ -74,7 +74,6 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
     region = region_of(state);
   }
   const GridState before = deposit(region, state.particles, state.materials);
-  report.peak_fill = before.fill.maxCoeff();
 
   // 3, 4. Gravity, then friction and pressure by staggered projections, give the intermediate velocity.
   Field velocity = before.velocity;

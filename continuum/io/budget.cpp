@@ -31,7 +31,7 @@ void Budget::add(const State& state, const StepReport& report) {
   pressure_iterations_ += report.projection.pressure_iterations;
   packing_iterations_ += report.packing.solve.iterations;
   cap_hits_ += report.projection.cap_hits + (report.packing.solve.converged ? 0 : 1);
-  peak_fill_ = std::max(peak_fill_, report.peak_fill);
+  peak_fill_ = std::max(peak_fill_, report.packing.peak_fill);
   shortest_step_ = std::min(shortest_step_, report.dt);
   longest_step_ = std::max(longest_step_, report.dt);
   largest_move_ = std::max(largest_move_, report.largest_move);

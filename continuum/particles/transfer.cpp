@@ -34,30 +34,33 @@ CentredPair centred(double local) {
   return local < 0.5 ? CentredPair{-1, local + 0.5} : CentredPair{0, local - 0.5};
 }
 
-bool inside(const Grid& grid, int axis, int i) {
-  const int w = grid.wrapped(axis, i);
-  return w >= 0 && w < grid.cells[axis];
+/// The index `offset` from `own` along an axis, or `own` where that would leave the domain.
+int off_walls(const Grid& grid, int axis, int own, int offset) {
+  const int i = grid.wrapped(axis, own + offset);
+  return i >= 0 && i < grid.cells[axis] ? i : own;
 }
 
-Stencil cell_stencil(const ActiveRegion& region, const Place& place) {
+int own_cell(const ActiveRegion& region, const Place& place) {
+  return region.cell_of_dense[static_cast<std::size_t>(region.grid.cell_index(place.cell))];
+}
+
+/// `surface` takes the weights that fall on empty cells; those that fall into walls go to the own cell.
+Stencil cell_stencil(const ActiveRegion& region, const Place& place, int surface) {
   const Grid& grid = region.grid;
   const std::array<CentredPair, 3> pair{centred(place.local[0]), centred(place.local[1]),
                                         centred(place.local[2])};
-  const int own = region.cell_of_dense[static_cast<std::size_t>(grid.cell_index(place.cell))];
   Stencil stencil{};
   for (int corner = 0; corner < 8; ++corner) {
     Vector3i i;
     double weight = 1.0;
-    bool valid = true;
     for (int axis = 0; axis < 3; ++axis) {
       const auto& p = pair[static_cast<std::size_t>(axis)];
       const int up = corner >> axis & 1;
-      i[axis] = place.cell[axis] + p.lower + up;
+      i[axis] = off_walls(grid, axis, place.cell[axis], p.lower + up);
       weight *= up ? p.upper_weight : 1.0 - p.upper_weight;
-      valid = valid && inside(grid, axis, i[axis]);
     }
-    const int cell = valid ? region.cell_of_dense[static_cast<std::size_t>(grid.cell_index(i))] : -1;
-    stencil.index[static_cast<std::size_t>(corner)] = cell < 0 ? own : cell;
+    const int cell = region.cell_of_dense[static_cast<std::size_t>(grid.cell_index(i))];
+    stencil.index[static_cast<std::size_t>(corner)] = cell < 0 ? surface : cell;
     stencil.weight[static_cast<std::size_t>(corner)] = weight;
   }
   return stencil;
@@ -76,10 +79,9 @@ Stencil face_stencil(const ActiveRegion& region, const Place& place, int axis) {
     for (int corner = 0; corner < 4; ++corner) {
       const int up_b = corner & 1, up_c = corner >> 1;
       Vector3i i = own;
-      i[b] += pair_b.lower + up_b;
-      i[c] += pair_c.lower + up_c;
-      const bool valid = inside(grid, b, i[b]) && inside(grid, c, i[c]);
-      const int face = valid ? face_of_dense[static_cast<std::size_t>(grid.face_index(axis, i))] : -1;
+      i[b] = off_walls(grid, b, own[b], pair_b.lower + up_b);
+      i[c] = off_walls(grid, c, own[c], pair_c.lower + up_c);
+      const int face = face_of_dense[static_cast<std::size_t>(grid.face_index(axis, i))];
       const auto entry = static_cast<std::size_t>(4 * side + corner);
       stencil.index[entry] = face < 0 ? own_face : face;
       stencil.weight[entry] = along * (up_b ? pair_b.upper_weight : 1.0 - pair_b.upper_weight) *
@@ -101,9 +103,11 @@ Field deposit_fill(const ActiveRegion& region, const Particles& particles,
   Field fill = Field::Zero(region.cell_count() + 1);
   for (Eigen::Index p = 0; p < particles.count(); ++p) {
     const double volume = minimum_volume(particles, materials, p);
-    const Stencil stencil = cell_stencil(region, place_of(region.grid, particles.positions.col(p)));
+    const Stencil stencil =
+        cell_stencil(region, place_of(region.grid, particles.positions.col(p)), region.null_cell());
     for (std::size_t k = 0; k < 8; ++k) fill[stencil.index[k]] += stencil.weight[k] * volume;
   }
+  fill[region.null_cell()] = 0.0;
   return fill / region.grid.cell_volume();
 }
 
@@ -118,7 +122,7 @@ GridState deposit(const ActiveRegion& region, const Particles& particles,
     const double mu =
         materials[static_cast<std::size_t>(particles.materials[static_cast<std::size_t>(p)])].friction;
     const Place place = place_of(region.grid, particles.positions.col(p));
-    const Stencil cells = cell_stencil(region, place);
+    const Stencil cells = cell_stencil(region, place, own_cell(region, place));
     for (std::size_t k = 0; k < 8; ++k) {
       state.fill[cells.index[k]] += cells.weight[k] * volume;
       state.friction[cells.index[k]] += cells.weight[k] * volume * mu;

@@ -28,7 +28,8 @@ struct GridState {
 GridState deposit(const ActiveRegion& region, const Particles& particles,
                   std::span<const Material> materials);
 
-/// Fill alone, for the density correction.
+/// Fill for the density correction: weights beyond the free surface are lost, so that it never exceeds 1
+/// merely because particles lie close to the edge of their cell.
 Field deposit_fill(const ActiveRegion& region, const Particles& particles,
                    std::span<const Material> materials);
 

@@ -13,10 +13,11 @@ constexpr double largest_displacement_in_cells = 0.25;
 PackingResult correct_packing(const ActiveRegion& region, std::span<const Material> materials,
                               const BoundQpSettings& settings, Particles& particles) {
   PackingResult result;
-  const GridState state = deposit(region, particles, materials);
-  result.peak_fill = state.fill.maxCoeff();
+  const Field fill = deposit_fill(region, particles, materials);
+  result.peak_fill = fill.maxCoeff();
   result.solve.converged = true;
   if (result.peak_fill <= 1.0 + settings.tolerance) return result;
+  const GridState state = deposit(region, particles, materials);
 
   const double h = region.grid.spacing;
   const Eigen::Index faces = region.open_faces + 1;
@@ -25,8 +26,7 @@ PackingResult correct_packing(const ActiveRegion& region, std::span<const Materi
       (state.face_volume.head(faces) / region.grid.cell_volume()).max(smallest_face_fill).inverse();
   inverse_fill[region.null_face()] = 0.0;
   Field correction = Field::Zero(region.cell_count() + 1);
-  result.solve =
-      solve_pressure(region, inverse_fill, Field::Zero(faces), 1.0 - state.fill, settings, correction);
+  result.solve = solve_pressure(region, inverse_fill, Field::Zero(faces), 1.0 - fill, settings, correction);
 
   Field displacement = Field::Zero(region.face_count());
   Field open = Field::Zero(faces);

@@ -1,0 +1,85 @@
+// Layers on a floor (method.md, section 12): sliding, and at rest.
+#include <gtest/gtest.h>
+
+#include "tests/continuum/scenes.h"
+
+namespace talus {
+namespace {
+
+using testing::gravity;
+
+constexpr double spacing = 0.01;  // m
+
+/// A layer on a floor, endless along x and y: `cells_deep` cells of sand.
+Scene layer(double cells_deep, double friction) {
+  const int columns = 6;
+  Scene scene = testing::box_scene({columns, 1, 12}, {columns, 1.0, cells_deep}, spacing, friction);
+  scene.grid.periodic = {true, true, false};
+  scene.sides[2][0] = {true, friction};
+  scene.particles_per_cell = cells_deep < 1.0 ? 8 : 2;
+  return scene;
+}
+
+struct Sliding {
+  double cells_deep;
+  double allowed;  // relative error of the deceleration
+};
+
+class SlidingLayer : public ::testing::TestWithParam<Sliding> {};
+
+TEST_P(SlidingLayer, DeceleratesAtMuG) {
+  const double mu = 0.4;
+  State state = initial_state(layer(GetParam().cells_deep, mu));
+  state.particles.velocities.row(0).setConstant(1.0);
+  const StepSettings settings;
+  // Let the contact settle, then measure over several steps.
+  testing::run_for(state, settings, 0.02, [](const State&, const StepReport&) {});
+  const double v0 = testing::mean_velocity(state, 0), t0 = state.time;
+  int cap_hits = 0;
+  testing::run_for(state, settings, 0.1,
+                   [&](const State&, const StepReport& r) { cap_hits += r.projection.cap_hits; });
+  const double deceleration = (v0 - testing::mean_velocity(state, 0)) / (state.time - t0);
+  EXPECT_NEAR(deceleration / (mu * gravity), 1.0, GetParam().allowed);
+  EXPECT_EQ(cap_hits, 0);
+  ::testing::Test::RecordProperty("deceleration_over_mu_g", std::to_string(deceleration / (mu * gravity)));
+}
+
+INSTANTIATE_TEST_SUITE_P(Section12, SlidingLayer,
+                         ::testing::Values(Sliding{0.25, 0.15}, Sliding{1.0, 0.03}, Sliding{4.0, 0.03}),
+                         [](const auto& instance) {
+                           return "cells_x100_" + std::to_string(int(100 * instance.param.cells_deep));
+                         });
+
+TEST(LayerAtRest, PressureIsHydrostaticAndNothingMoves) {
+  const double depth = 8.0;
+  State state = initial_state(layer(depth, 0.4));
+  StepSettings settings;
+  settings.projection.tolerance = 1e-6;
+  const Eigen::Matrix3Xd start = state.particles.positions;
+  testing::run_for(state, settings, 0.1, [](const State&, const StepReport&) {});
+  const auto& [region, stress, dt] = *state.warm;
+  const double density = state.materials[0].max_density(), area = spacing * spacing;
+  for (int cell = 0; cell < region.cell_count(); ++cell) {
+    const int k = region.grid.cell_of_index(region.dense_of_cell[static_cast<std::size_t>(cell)])[2];
+    const double expected = density * gravity * spacing * (depth - k - 0.5);
+    EXPECT_NEAR(stress.pressure[cell] / (dt * area), expected, 1e-4 * density * gravity * spacing * depth);
+  }
+  EXPECT_LT((state.particles.positions - start).cwiseAbs().maxCoeff(), 1e-4 * spacing);
+}
+
+TEST(LayerAtRest, TiltedGravityBelowTheFrictionAngleHoldsAndAboveSlides) {
+  for (const double excess_deg : {-4.0, 4.0}) {
+    const double angle = (21.8 + excess_deg) * std::numbers::pi / 180.0;  // atan(0.4) = 21.8 deg
+    State state = initial_state(layer(4.0, 0.4));
+    state.gravity = gravity * Eigen::Vector3d(std::sin(angle), 0.0, -std::cos(angle));
+    testing::run_for(state, StepSettings{}, 0.3, [](const State&, const StepReport&) {});
+    const double sliding = gravity * (std::sin(angle) - 0.4 * std::cos(angle)) * 0.3;
+    if (excess_deg < 0.0)
+      EXPECT_NEAR(testing::mean_velocity(state, 0), 0.0, 0.01 * gravity * 0.3);
+    else
+      EXPECT_NEAR(testing::mean_velocity(state, 0) / sliding, 1.0, 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace talus
