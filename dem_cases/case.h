@@ -8,8 +8,8 @@
 
 namespace talus::dem {
 
-/// Quasi-2-D column behind a gate, in a tank that is periodic across its thickness (y). x runs from the back wall,
-/// z up from the floor. All in metres.
+/// Quasi-2-D column behind a gate, in a tank that is periodic across its thickness (y). x runs from the back
+/// wall, z up from the floor. All in metres.
 struct Geometry {
   double column_length;  // L0
   double column_height;  // H0 = a L0, nominal: what the settled column is prepared to
@@ -19,18 +19,19 @@ struct Geometry {
 };
 
 struct Grains {
-  double diameter;           // d, m, mean
-  double diameter_spread;    // uniform in d (1 +- spread)
-  double density;            // rho_grain, kg/m^3
-  double youngs_modulus;     // Pa
-  double poissons_ratio;     // 1
+  double diameter;         // d, m, mean
+  double diameter_spread;  // uniform in d (1 +- spread)
+  double density;          // rho_grain, kg/m^3
+  double youngs_modulus;   // Pa
+  double poissons_ratio;   // 1
 };
 
 struct Contact {
   double restitution;
-  double friction;           // sliding coefficient, grain against grain and rough floor
-  double rolling_friction;   // LIGGGHTS' convention: moment <= mu_r R1 R2 / (R1 + R2) F_n
-  double wall_friction;      // side walls and gate
+  double friction;          // sliding coefficient, grain against grain and rough floor
+  double rolling_friction;  // mu_r: moment <= mu_r R1 R2 / (R1 + R2) F_n; a plane counts as a grain of equal
+                            // size
+  double wall_friction;     // side walls and gate
 };
 
 struct Protocol {
@@ -57,13 +58,13 @@ struct Case {
   Grains grains;
   Contact contact;
   Protocol protocol;
-  double profile_bin;    // m, bin width of the ruler
-  double front_depth;    // m, least depth that counts as the heap
+  double profile_bin;  // m, bin width of the ruler
+  double front_depth;  // m, least depth that counts as the heap
   std::vector<ObservableBand> observables;
   std::vector<std::uint64_t> seeds;
   std::string calibration;  // name of the material in the calibration file
   std::filesystem::path file;
-  std::string input_hash;   // SHA-256 of the file's text
+  std::string input_hash;  // SHA-256 of the file's text
 };
 
 /// Reads and checks a case file. Throws InputError naming file, line, key, value and what is allowed.

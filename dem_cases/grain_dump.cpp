@@ -1,0 +1,193 @@
+#include "dem_cases/grain_dump.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include "continuum/io/atomic_file.h"
+#include "continuum/scene/checked_table.h"
+#include "dem_cases/time_step.h"
+
+namespace talus::dem {
+namespace {
+
+using analysis::Snapshot;
+
+/// Walks a dump line by line and tells where it is when something is wrong.
+class DumpReader {
+ public:
+  DumpReader(std::filesystem::path file) : file_(std::move(file)), text_(read_file(file_)) {}
+
+  bool at_end() const { return position_ >= text_.size(); }
+
+  std::string_view line() {
+    const auto end = text_.find('\n', position_);
+    if (end == std::string::npos)
+      throw error("the file ends in the middle of a snapshot: the run did not finish; run it again");
+    const std::string_view found(text_.data() + position_, end - position_);
+    position_ = end + 1;
+    ++line_number_;
+    return found;
+  }
+
+  void expect(std::string_view heading) {
+    const auto found = line();
+    if (!found.starts_with(heading))
+      throw error(fmt::format("'{}' where '{}' belongs; the file is damaged", found, heading));
+  }
+
+  template <class Number>
+  Number next(std::string_view& rest) {
+    rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
+    Number value{};
+    const auto [end, failure] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+    if (failure != std::errc())
+      throw error(fmt::format("'{}' where a number belongs; the file is damaged", rest));
+    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+    return value;
+  }
+
+  template <class Number>
+  Number number_line() {
+    auto rest = line();
+    return next<Number>(rest);
+  }
+
+  InputError error(std::string_view why) const {
+    return InputError(fmt::format("{}:{}: {}", file_.string(), line_number_, why));
+  }
+
+ private:
+  std::filesystem::path file_;
+  std::string text_;
+  std::size_t position_ = 0;
+  std::size_t line_number_ = 0;
+};
+
+/// Where the centres of grains may be.
+struct Bounds {
+  double low_x, high_x, low_z;
+};
+
+void check_grain(const DumpReader& reader, std::int64_t id, const Eigen::Vector3d& position,
+                 const Eigen::Vector3d& velocity, const Bounds& bounds) {
+  const auto complain = [&](const char* what) {
+    return reader.error(
+        fmt::format("grain {} {}: position ({:.6g}, {:.6g}, {:.6g}) m; the run is void, look at its log", id,
+                    what, position.x(), position.y(), position.z()));
+  };
+  if (!position.allFinite() || !velocity.allFinite()) throw complain("is not finite");
+  if (position.z() < bounds.low_z) throw complain("leaked through the floor");
+  if (position.x() < bounds.low_x) throw complain("leaked through the back wall");
+  if (position.x() > bounds.high_x) throw complain("leaked through the gate or the far wall");
+}
+
+Snapshot read_snapshot(DumpReader& reader, const Case& column, const Packing& packing, std::int64_t step) {
+  reader.expect("ITEM: TIMESTEP");
+  if (const auto found = reader.number_line<std::int64_t>(); found != step) {
+    throw reader.error(
+        fmt::format("snapshot of step {} where step {} belongs; the file is damaged", found, step));
+  }
+  reader.expect("ITEM: NUMBER OF ATOMS");
+  const auto count = packing.mobile_count();
+  if (const auto found = reader.number_line<Eigen::Index>(); found != count) {
+    throw reader.error(fmt::format(
+        "{} grains at step {} where {} started: grains were lost; the run is void, look at its log", found,
+        step, count));
+  }
+  reader.expect("ITEM: BOX BOUNDS");
+  for (int axis = 0; axis < 3; ++axis) reader.line();
+  reader.expect("ITEM: ATOMS id x y z vx vy vz");
+
+  const double width = column.geometry.thickness;
+  const Bounds bounds{
+      .low_x = 0.0,
+      .high_x = step == 0 ? column.geometry.column_length : column.geometry.tank_length,
+      .low_z = column.geometry.rough_floor ? -floor_centre_depth * column.grains.diameter : 0.0};
+  Snapshot snapshot{.time = static_cast<double>(step) * column.protocol.time_step,
+                    .positions = analysis::Vectors(3, count),
+                    .velocities = analysis::Vectors(3, count),
+                    .volumes = Eigen::VectorXd(count)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    auto rest = reader.line();
+    if (const auto id = reader.next<std::int64_t>(rest); id != packing.fixed_count + i + 1) {
+      throw reader.error(
+          fmt::format("grain {} where grain {} belongs: a grain was lost or the file is damaged", id,
+                      packing.fixed_count + i + 1));
+    }
+    Eigen::Vector3d position, velocity;
+    for (double& value : position) value = reader.next<double>(rest);
+    for (double& value : velocity) value = reader.next<double>(rest);
+    check_grain(reader, packing.fixed_count + i + 1, position, velocity, bounds);
+    position.y() -= width * std::floor(position.y() / width);
+    snapshot.positions.col(i) = position;
+    snapshot.velocities.col(i) = velocity;
+    snapshot.volumes[i] = 4.0 / 3.0 * std::numbers::pi * std::pow(packing.radii[packing.fixed_count + i], 3);
+  }
+  return snapshot;
+}
+
+void check_at_rest(const DumpReader& reader, const Case& column, const Snapshot& release) {
+  const double energy =
+      0.5 * (release.velocities.colwise().squaredNorm().transpose().array() * release.volumes.array()).sum();
+  const double scale = release.volumes.sum() * column.protocol.gravity * column.geometry.column_height;
+  if (energy / scale > column.protocol.rest_energy) {
+    throw reader.error(
+        fmt::format("the column was not at rest when the gate opened: kinetic energy / (m g H0) = {:.3g}, "
+                    "allowed is protocol.rest_energy = {:.3g}; lengthen protocol.settle_time_s in {}",
+                    energy / scale, column.protocol.rest_energy, column.file.string()));
+  }
+}
+
+void check_far_wall(const DumpReader& reader, const Case& column, const Packing& packing,
+                    const Snapshot& snapshot) {
+  for (Eigen::Index i = 0; i < snapshot.volumes.size(); ++i) {
+    if (snapshot.positions(0, i) + packing.radii[packing.fixed_count + i] >= column.geometry.tank_length) {
+      throw reader.error(fmt::format(
+          "grain {} reached the far wall {:.4g} s after the release; lengthen "
+          "geometry.tank_length_m = {} in {}",
+          packing.fixed_count + i + 1, snapshot.time, column.geometry.tank_length, column.file.string()));
+    }
+  }
+}
+
+}  // namespace
+
+analysis::SnapshotSeries read_grain_dump(const Case& column, const Packing& packing,
+                                         const std::filesystem::path& folder) {
+  const auto file = folder / dump_file;
+  if (!std::filesystem::exists(file)) {
+    throw InputError(
+        fmt::format("{}: the run wrote no snapshot; look at its log in the same folder", file.string()));
+  }
+  DumpReader reader(file);
+  const StepSchedule schedule = step_schedule(column);
+  analysis::SnapshotSeries series;
+  while (!reader.at_end()) {
+    series.push_back(read_snapshot(reader, column, packing,
+                                   schedule.per_snapshot * static_cast<std::int64_t>(series.size())));
+    if (series.size() == 1) check_at_rest(reader, column, series.front());
+    check_far_wall(reader, column, packing, series.back());
+  }
+  const auto wanted = static_cast<std::size_t>(schedule.snapshot_count) + 1;
+  if (series.size() != wanted) {
+    throw InputError(fmt::format("{}: {} snapshots of {}: the run did not finish; run it again",
+                                 file.string(), series.size(), wanted));
+  }
+  return series;
+}
+
+double progress_of_run(const Case& column, const std::filesystem::path& folder) {
+  std::ifstream in(folder / progress_file);
+  std::int64_t lines = 0;
+  for (std::string line; std::getline(in, line);) lines += !line.empty();
+  const StepSchedule schedule = step_schedule(column);
+  const auto wanted = schedule.settle / schedule.per_snapshot + schedule.snapshot_count;
+  return std::min(1.0, static_cast<double>(lines) / static_cast<double>(wanted));
+}
+
+}  // namespace talus::dem

@@ -1,0 +1,183 @@
+#include "dem_cases/liggghts/liggghts.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <fstream>
+
+#include "continuum/io/atomic_file.h"
+#include "continuum/scene/checked_table.h"
+#include "dem_cases/grain_dump.h"
+#include "dem_cases/process.h"
+#include "dem_cases/time_step.h"
+
+namespace talus::dem::liggghts {
+namespace {
+
+constexpr std::string_view deck_file = "in.liggghts";
+constexpr std::string_view data_file = "packing.data";
+constexpr std::string_view log_name = "log.liggghts";
+
+/// What a sphere or a wall is made of; LIGGGHTS numbers these "atom types" from 1.
+enum Material { column_grain, floor_grain, wall, flat_floor, material_count };
+
+double friction_between(const Contact& contact, int a, int b) {
+  return a == wall || b == wall ? contact.wall_friction : contact.friction;
+}
+
+/// Against a plane LIGGGHTS takes the grain's whole radius for R1 R2 / (R1 + R2), twice what two equal grains
+/// have; so planes get half the coefficient, to resist rolling as a plane of grains would.
+double rolling_friction_between(const Contact& contact, int a, int b) {
+  const bool plane = a == wall || b == wall || a == flat_floor || b == flat_floor;
+  return plane ? 0.5 * contact.rolling_friction : contact.rolling_friction;
+}
+
+template <class Function>
+std::string pair_table(const Contact& contact, Function value) {
+  std::string text = fmt::format("{}", static_cast<int>(material_count));
+  for (int a = 0; a < material_count; ++a) {
+    for (int b = 0; b < material_count; ++b) text += fmt::format(" {}", value(contact, a, b));
+  }
+  return text;
+}
+
+std::string per_material(double value) {
+  std::string text;
+  for (int material = 0; material < material_count; ++material) text += fmt::format(" {}", value);
+  return text;
+}
+
+/// Spheres in the order of the packing: ids count from 1, fixed grains first.
+std::string data_text(const Case& column, const Packing& packing) {
+  const double d = column.grains.diameter;
+  std::string text = fmt::format(
+      "packing of case {} for seed {}, made by talus\n\n{} atoms\n{} atom types\n"
+      "{} {} xlo xhi\n0 {:.17g} ylo yhi\n{} {} zlo zhi\n\nAtoms\n\n",
+      column.name, packing.seed, packing.count(), static_cast<int>(material_count), -d,
+      column.geometry.tank_length + d, column.geometry.thickness, -2.0 * d, packing.top() + 4.0 * d);
+  for (Eigen::Index i = 0; i < packing.count(); ++i) {  // id type diameter density x y z
+    const auto& p = packing.positions;
+    text +=
+        fmt::format("{} {} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", i + 1, i < packing.fixed_count ? 2 : 1,
+                    2.0 * packing.radii[i], column.grains.density, p(0, i), p(1, i), p(2, i));
+  }
+  text += "\nVelocities\n\n";
+  for (Eigen::Index i = 0; i < packing.count(); ++i) {  // id, velocity, angular velocity
+    const auto& v = packing.velocities;
+    text += fmt::format("{} {:.17g} {:.17g} {:.17g} 0 0 0\n", i + 1, v(0, i), v(1, i), v(2, i));
+  }
+  return text;
+}
+
+std::string deck_text(const Case& column) {
+  const Grains& grains = column.grains;
+  const StepSchedule schedule = step_schedule(column);
+  // limitForce: grains without cohesion never pull; it stands after the primitive in wall commands.
+  const std::string model = "model hertz tangential history rolling_friction epsd2";
+  const auto plane = [&](std::string_view name, int material, std::string_view axis, double at) {
+    return fmt::format("fix {} mobile wall/gran {} primitive type {} {}plane {:.17g} limitForce on\n", name,
+                       model, material + 1, axis, at);
+  };
+  std::string text = fmt::format(
+      "# case {}, input hash {}; written by talus\n"
+      "atom_style granular\n"
+      "atom_modify map array\n"
+      "boundary f p f\n"
+      "newton off\n"
+      "communicate single vel yes\n"
+      "units si\n"
+      "read_data {}\n"
+      "neighbor {:.17g} bin\n"
+      "neigh_modify delay 0\n"
+      "group mobile type 1\n"
+      "group fixed type 2\n"
+      "neigh_modify exclude group fixed fixed\n",
+      column.name, column.input_hash, data_file, 0.3 * grains.diameter);
+  text += fmt::format("fix modulus all property/global youngsModulus peratomtype{}\n",
+                      per_material(grains.youngs_modulus));
+  text += fmt::format("fix poisson all property/global poissonsRatio peratomtype{}\n",
+                      per_material(grains.poissons_ratio));
+  const auto restitution = [](const Contact& contact, int, int) { return contact.restitution; };
+  text += fmt::format("fix restitution all property/global coefficientRestitution peratomtypepair {}\n",
+                      pair_table(column.contact, restitution));
+  text += fmt::format("fix friction all property/global coefficientFriction peratomtypepair {}\n",
+                      pair_table(column.contact, friction_between));
+  text += fmt::format("fix rolling all property/global coefficientRollingFriction peratomtypepair {}\n",
+                      pair_table(column.contact, rolling_friction_between));
+  text += fmt::format("pair_style gran {} limitForce on\npair_coeff * *\n", model);
+  text += fmt::format("timestep {:.17g}\n", column.protocol.time_step);
+  text += plane("back_wall", wall, "x", 0.0);
+  text += plane("far_wall", wall, "x", column.geometry.tank_length);
+  text += plane("gate", wall, "x", column.geometry.column_length);
+  if (!column.geometry.rough_floor) text += plane("flat_floor", flat_floor, "z", 0.0);
+  text += fmt::format("fix gravity mobile gravity {:.17g} vector 0 0 -1\n", column.protocol.gravity);
+  text += "fix integrate mobile nve/sphere\nfix freeze fixed freeze\n";
+  text += fmt::format("thermo_style custom step atoms ke\nthermo {}\nthermo_modify lost error norm no\n",
+                      schedule.per_snapshot);
+  text += fmt::format(
+      "variable now equal step\nfix tell all print {} \"settling ${{now}}\" file {} screen no title \"\"\n",
+      schedule.per_snapshot, progress_file);
+  text += fmt::format("run {}\nunfix gate\nunfix tell\nreset_timestep 0\n", schedule.settle);
+  text += fmt::format("fix tell all print {} \"running ${{now}}\" append {} screen no title \"\"\n",
+                      schedule.per_snapshot, progress_file);
+  text += fmt::format(
+      "dump grains mobile custom {} {} id x y z vx vy vz\n"
+      "dump_modify grains sort id format \"%d %.10g %.10g %.10g %.10g %.10g %.10g\"\n"
+      "run {}\n",
+      schedule.per_snapshot, dump_file, schedule.run());
+  return text;
+}
+
+}  // namespace
+
+std::string version() {
+  const auto program = find_program("liggghts", "liggghts");
+  const std::string said = output_of({program.string(), "-in", "/dev/null", "-log", "none"});
+  constexpr std::string_view before = "LIGGGHTS-PUBLIC ";
+  const auto at = said.find(before);
+  if (at == std::string::npos)
+    throw InputError(fmt::format("{}: does not tell its version; it said: {}", program.string(), said));
+  const auto begin = at + before.size();
+  return said.substr(begin, said.find_first_of(",) \n", begin) - begin);
+}
+
+void write_input(const Case& column, const Packing& packing, const std::filesystem::path& folder) {
+  check_time_step(column);
+  make_writable_folder(folder);
+  for (const auto stale : {dump_file, progress_file, log_name, log_file})
+    std::filesystem::remove(folder / stale);
+  write_file_atomically(folder / data_file, data_text(column, packing));
+  write_file_atomically(folder / deck_file, deck_text(column));
+}
+
+std::vector<std::string> command() {
+  return {"/usr/bin/env",
+          "OMP_NUM_THREADS=1",
+          find_program("liggghts", "liggghts").string(),
+          "-in",
+          std::string(deck_file),
+          "-log",
+          std::string(log_name)};
+}
+
+double progress(const Case& column, const std::filesystem::path& folder) {
+  return progress_of_run(column, folder);
+}
+
+/// LIGGGHTS says "ERROR: ..." once, on the screen and in the log.
+std::string failure_text(const std::filesystem::path& folder) {
+  for (const auto name : {log_name, log_file}) {
+    std::ifstream in(folder / name);
+    for (std::string line; std::getline(in, line);) {
+      if (line.starts_with("ERROR")) return line;
+    }
+  }
+  return {};
+}
+
+analysis::SnapshotSeries read_output(const Case& column, const Packing& packing,
+                                     const std::filesystem::path& folder) {
+  return read_grain_dump(column, packing, folder);
+}
+
+}  // namespace talus::dem::liggghts

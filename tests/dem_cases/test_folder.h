@@ -1,0 +1,57 @@
+// A folder of a test's own, gone when the test ends; and cases with one thing changed.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "continuum/io/atomic_file.h"
+#include "continuum/scene/checked_table.h"
+
+namespace talus::dem {
+
+class TestFolder {
+ public:
+  TestFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "talus-test-XXXXXX").string();
+    if (!mkdtemp(name.data())) throw std::runtime_error("mkdtemp");
+    path_ = name;
+  }
+  ~TestFolder() { std::filesystem::remove_all(path_); }
+  TestFolder(const TestFolder&) = delete;
+  TestFolder& operator=(const TestFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline const std::filesystem::path column_collapse_file =
+    TALUS_SOURCE_DIR "/dem_cases/column_collapse/case.toml";
+inline const std::filesystem::path tiny_column_file =
+    TALUS_SOURCE_DIR "/tests/dem_cases/data/tiny_column.toml";
+
+/// `text` with its one occurrence of `from` replaced; the test fails when that is not there exactly once.
+inline std::string replaced(std::string text, std::string_view from, std::string_view to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  EXPECT_EQ(text.find(from, at + 1), std::string::npos) << from << " is there more than once";
+  return text.replace(at, from.size(), to);
+}
+
+/// The message of the InputError that `action` throws; the test fails when it throws none.
+template <class Action>
+std::string input_error(Action action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "no InputError was thrown";
+  return {};
+}
+
+}  // namespace talus::dem
