@@ -159,7 +159,7 @@ function runTable(caption, runs, columns) {
   const table = make("table", {class: "runs"}, make("caption", {}, caption));
   table.append(make("thead", {}, make("tr", {}, headCell("Run"), ...columns.map(([label, unit]) => headCell(label, unit)))));
   const rows = runs.map((run) => make("tr", {},
-      make("th", {scope: "row"}, swatch(run.backend), `${backendOf(run.backend).label}, seed ${words(run.seed)}`),
+      make("th", {scope: "row"}, swatch(run.backend), `${backendOf(run.backend).label}, seed\u00a0${words(run.seed)}`),
       ...columns.map(([, , value]) => make("td", {class: "number"}, words(value(run))))));
   table.append(make("tbody", {}, ...rows));
   return scroller(caption, table);
