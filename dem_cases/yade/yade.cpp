@@ -24,6 +24,7 @@ constexpr std::string_view packing_file = "packing.txt";
 /// where a grain carries the weight above it. The limit of the moment, not this stiffness, decides how grains
 /// roll.
 double rolling_stiffness(const Case& column) {
+  if (column.contact.rolling_friction == 0.0) return 0.0;
   const Grains& grains = column.grains;
   const double radius = 0.25 * grains.diameter;  // R*, of two equal grains
   const double modulus =

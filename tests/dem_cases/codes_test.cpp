@@ -84,26 +84,40 @@ void expect_a_collapse(const SnapshotSeries& series, const Case& column, const P
   EXPECT_LT(series.back().velocities.cwiseAbs().mean(), 0.01);       // and stopped
 }
 
-class Floors : public ::testing::TestWithParam<bool> {};
+struct Variant {
+  const char* name;
+  bool rough_floor;
+  double rolling_friction;
+};
 
-// Both codes start from the same spheres; what differs is how their authors wrote down Hertz-Mindlin and its
-// damping. A hundred grains scatter by more than the thousand of the column collapse, where the codes agree
-// within 1 to 2 %.
-TEST_P(Floors, BothCodesAgreeOnATinyColumn) {
+void PrintTo(const Variant& variant, std::ostream* out) { *out << variant.name; }
+
+class TinyColumn : public ::testing::TestWithParam<Variant> {};
+
+// Both codes start from the same spheres; what differs is how their authors wrote down Hertz-Mindlin, its
+// damping and rolling. Collapses of a hundred grains are chaotic: over six seeds the settled height scatters
+// by 1.5 % and the final centre of mass by 6 %, so a pair of runs by 2 % and 8 %; the bounds are about twice
+// that. A lost rolling friction moves either by 10 %. The thousand grains of the column collapse are compared
+// over seeds, and agree much better.
+TEST_P(TinyColumn, IsTheSameToBothCodes) {
   const TestFolder folder;
   Case column = read_case(tiny_column_file);
-  column.geometry.rough_floor = GetParam();
+  column.geometry.rough_floor = GetParam().rough_floor;
+  column.contact.rolling_friction = GetParam().rolling_friction;
   const Packing packing = make_packing(column, 1);
   const auto from_liggghts = run_and_read(liggghts_code, column, packing, folder.path() / "liggghts");
   const auto from_yade = run_and_read(yade_code, column, packing, folder.path() / "yade");
   expect_a_collapse(from_liggghts, column, packing);
   expect_a_collapse(from_yade, column, packing);
   EXPECT_NEAR(mean(from_liggghts.front(), 2) / mean(from_yade.front(), 2), 1.0, 0.05);
-  EXPECT_NEAR(mean(from_liggghts.back(), 0) / mean(from_yade.back(), 0), 1.0, 0.05);
+  EXPECT_NEAR(mean(from_liggghts.back(), 0) / mean(from_yade.back(), 0), 1.0, 0.15);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, Floors, ::testing::Values(true, false),
-                         [](const auto& instance) { return instance.param ? "rough" : "flat"; });
+INSTANTIATE_TEST_SUITE_P(Variants, TinyColumn,
+                         ::testing::Values(Variant{"rough_floor", true, 0.2},
+                                           Variant{"flat_floor", false, 0.2},
+                                           Variant{"no_rolling_friction", true, 0.0}),
+                         [](const auto& instance) { return instance.param.name; });
 
 TEST(Liggghts, RerunInTheSameFolderIsTheSameToTheByte) {
   const TestFolder folder;

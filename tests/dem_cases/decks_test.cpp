@@ -99,6 +99,14 @@ TEST_F(Decks, YadeHasTheContactLaw) {
   EXPECT_EQ(parameters_["fixed_count"], packing_.fixed_count);
 }
 
+// A limit of 0 means to YADE that there is no limit: the spring itself must go.
+TEST_F(Decks, NoRollingFrictionMeansNoRollingSpringInYade) {
+  column_.contact.rolling_friction = 0.0;
+  write();
+  EXPECT_EQ(parameters_["rolling_resistance"], 0.0);
+  EXPECT_EQ(parameters_["rolling_stiffness_n_m"], 0.0);
+}
+
 TEST_F(Decks, FlatFloorIsAPlaneInBoth) {
   column_.geometry.rough_floor = false;
   packing_ = make_packing(column_, 1);
