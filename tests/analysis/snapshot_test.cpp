@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -140,6 +141,23 @@ TEST_F(SnapshotFile, WriterRefusesWhatIsNotASnapshot) {
 
 TEST_F(SnapshotFile, UnwritableFolder) {
   EXPECT_THROW(SnapshotWriter(folder / "absent" / "snapshots.h5", "test"), SnapshotError);
+}
+
+TEST_F(SnapshotFile, NoRoomOnTheDiskIsAnErrorAndLeavesNothing) {
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{2'000'000, before.rlim_max};
+  ::setrlimit(RLIMIT_FSIZE, &small);
+  std::string message;
+  try {
+    write_snapshots(file, {cloud(0.0, 10000), cloud(1.0, 10000), cloud(2.0, 40000)}, "test");
+  } catch (const SnapshotError& error) {
+    message = error.what();
+  }
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_THAT(message, HasSubstr("no room for the next frame"));
+  EXPECT_THAT(message, HasSubstr(file.string()));
+  EXPECT_EQ(files_left(), 0u);
 }
 
 TEST_F(SnapshotFile, MissingFile) { EXPECT_THAT(reading_error(), HasSubstr("no such file")); }

@@ -169,6 +169,27 @@ TEST(ColumnCollapse, SteadyMotionIsNotAtRest) {
   EXPECT_GT(measured.stop_time, 1.9);
 }
 
+/// A wedge of the block's volume whose front, after the release, is moved by `bins` at the given share of the
+/// time.
+bool rests_after_moving(double bins, double share) {
+  SnapshotSeries series{block(0.0)};
+  for (int k = 1; k <= 100; ++k) {
+    const double reach = wedge_reach + (k > 100 * share ? bins * bin : 0.0);
+    series.push_back(deposit(0.01 * k, reach,
+                             [=](double x) { return 2.0 * height * length / reach * (1.0 - x / reach); }));
+  }
+  return measure_column_collapse(series, ruler).observables.at_rest;
+}
+
+TEST(ColumnCollapse, RestIsLessThanABinOverTheLastTenthOfTheTime) {
+  // A longer wedge of the same volume is also flatter, so the front itself moves a little less than the
+  // reach.
+  EXPECT_TRUE(rests_after_moving(0.9, 0.95));
+  EXPECT_FALSE(rests_after_moving(1.3, 0.95));
+  EXPECT_FALSE(rests_after_moving(1.3, 0.91));
+  EXPECT_TRUE(rests_after_moving(1.3, 0.89));
+}
+
 TEST(ColumnCollapse, OneSnapshotShowsNoRest) {
   EXPECT_FALSE(measure_column_collapse({block(0.0)}, ruler).observables.at_rest);
 }
