@@ -16,7 +16,8 @@ const titled = (title) => make("h3", {}, title);
 function drawHeader(results) {
   const suite = results.suite ? `${results.suite} suite` : "unnamed suite";
   document.title = `Talus validation report: ${suite}`;
-  document.getElementById("title").append(suite[0].toUpperCase() + suite.slice(1));
+  document.getElementById("title").append(
+      suite[0].toUpperCase() + suite.slice(1) + (results.title ? `: ${results.title}` : ""));
   const verdicts = (results.cases ?? []).flatMap((aCase) => aCase.summary ?? []).map((row) => row.verdict);
   const count = (verdict) => verdicts.filter((other) => other === verdict).length;
   const sentence = verdicts.length === 0 ? "Nothing was compared." :
