@@ -9,12 +9,14 @@
 namespace talus {
 namespace {
 
+/// As large as the limits allow, and an equal share of what is left to `dt_limit`, so that no sliver remains.
 double time_step(const State& state, const StepSettings& settings, double dt_limit) {
   const double h = state.grid.spacing, g = state.gravity.norm();
   double dt = dt_limit;
   if (g > 0.0) dt = std::min(dt, settings.gravity_courant * std::sqrt(h / g));
   const double fastest = state.particles.velocities.cwiseAbs().maxCoeff() + g * dt;
-  return fastest > 0.0 ? std::min(dt, settings.courant * h / fastest) : dt;
+  if (fastest > 0.0) dt = std::min(dt, settings.courant * h / fastest);
+  return dt_limit / std::ceil(dt_limit / dt * (1.0 - 1e-9));
 }
 
 double pic_share(const State& state, const StepSettings& settings, double dt) {

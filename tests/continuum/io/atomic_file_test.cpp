@@ -1,0 +1,57 @@
+// Files are whole or not there.
+#include "continuum/io/atomic_file.h"
+
+#include <gtest/gtest.h>
+
+#include "continuum/io/provenance.h"
+#include "continuum/scene/checked_table.h"
+
+#include <nlohmann/json.hpp>
+
+namespace talus {
+namespace {
+
+std::filesystem::path fresh_folder() {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "atomic_file_test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+TEST(AtomicFile, ReplacesTheOldContentAndLeavesNothingElse) {
+  const auto folder = fresh_folder();
+  write_file_atomically(folder / "a", "old");
+  write_file_atomically(folder / "a", "new");
+  EXPECT_EQ(read_file(folder / "a"), "new");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+}
+
+TEST(AtomicFile, AFullDiskLeavesTheOldContent) {
+  // /dev/full takes an open and refuses every write: put it where the temporary file would go.
+  const auto folder = fresh_folder();
+  write_file_atomically(folder / "a", "old");
+  std::filesystem::create_symlink("/dev/full", folder / ("a.partial-" + std::to_string(::getpid())));
+  EXPECT_THROW(write_file_atomically(folder / "a", "new"), InputError);
+  EXPECT_EQ(read_file(folder / "a"), "old");
+}
+
+TEST(AtomicFile, AFolderThatCannotBeMadeIsAnError) {
+  const auto folder = fresh_folder();
+  write_file_atomically(folder / "file", "");
+  EXPECT_THROW(make_writable_folder(folder / "file" / "below"), InputError);
+  EXPECT_THROW(make_writable_folder("/proc/nowhere"), InputError);
+  EXPECT_THROW(read_file(folder / "absent"), InputError);
+}
+
+TEST(Provenance, NamesSourceCompilerAndLibraries) {
+  const auto made_by = provenance();
+  for (const char* key :
+       {"version", "git_hash", "git_dirty", "compiler", "build_type", "libraries", "cpu", "time_utc"}) {
+    EXPECT_TRUE(made_by.contains(key)) << key;
+  }
+  EXPECT_EQ(sha256("abc"),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");  // FIPS 180-2, B.1
+}
+
+}  // namespace
+}  // namespace talus

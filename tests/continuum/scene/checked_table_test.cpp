@@ -1,0 +1,98 @@
+// Bad input gets one clear error: file, line, key, value, what is allowed, the nearest right name.
+#include "continuum/scene/checked_table.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+namespace talus {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class CheckedTableTest : public ::testing::Test {
+ protected:
+  CheckedTable parse(const std::string& text) {
+    file_ = std::filesystem::path(::testing::TempDir()) / "checked_table.toml";
+    std::ofstream(file_) << text;
+    return CheckedTable::parse_file(file_);
+  }
+  template <class Function>
+  static std::string error_of(Function&& f) {
+    try {
+      f();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  std::filesystem::path file_;
+};
+
+TEST_F(CheckedTableTest, ReadsWhatIsThere) {
+  const auto table = parse("a = 1\nb = 2.5\nc = 'x'\nd = [1, 2.0, 3]\n[t]\nn = [4, 5]\n");
+  EXPECT_EQ(table.number("a"), 1.0);
+  EXPECT_EQ(table.number("b", positive), 2.5);
+  EXPECT_EQ(table.string("c"), "x");
+  EXPECT_EQ(table.vector("d"), Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(table.table("t").integers("n", 0, 9), (std::vector<std::int64_t>{4, 5}));
+  EXPECT_EQ(table.number("absent", {}, 7.0), 7.0);
+  EXPECT_NO_THROW(table.finish());
+}
+
+TEST_F(CheckedTableTest, UnknownKeyNamesTheNearestRightOne) {
+  const auto table = parse("\ndiameter_mm = 3.0\n");
+  table.has("diameter_m");
+  table.has("density_kg_m3");
+  EXPECT_THAT(error_of([&] { table.finish(); }),
+              AllOf(HasSubstr("checked_table.toml:2"), HasSubstr("'diameter_mm' = 3"),
+                    HasSubstr("did you mean 'diameter_m'"), HasSubstr("density_kg_m3")));
+}
+
+TEST_F(CheckedTableTest, OutOfRangeNamesValueAndRange) {
+  const auto table = parse("[grains]\nd = -1.0\n");
+  EXPECT_THAT(error_of([&] { table.table("grains").number("d", positive); }),
+              AllOf(HasSubstr(":2"), HasSubstr("'grains.d' = -1.0"), HasSubstr("greater than 0")));
+}
+
+TEST_F(CheckedTableTest, NotFiniteIsOutOfEveryRange) {
+  const auto table = parse("a = nan\nb = inf\n");
+  EXPECT_THAT(error_of([&] { table.number("a"); }), HasSubstr("any finite number"));
+  EXPECT_THAT(error_of([&] { table.number("b"); }), HasSubstr("any finite number"));
+}
+
+TEST_F(CheckedTableTest, WrongTypesAreErrors) {
+  const auto table = parse("a = '3 mm'\nb = 1.5\nc = [1, 1]\nd = true\n");
+  EXPECT_THAT(error_of([&] { table.number("a"); }),
+              AllOf(HasSubstr("'3 mm'"), HasSubstr("must be a number")));
+  EXPECT_THAT(error_of([&] { table.integer("b", 0, 9); }), HasSubstr("whole number between 0 and 9"));
+  EXPECT_THAT(error_of([&] { table.integers("c", 0, 9); }), HasSubstr("must not repeat"));
+  EXPECT_THAT(error_of([&] { table.number("d"); }), HasSubstr("must be a number"));
+  EXPECT_THAT(error_of([&] { table.table("a"); }), HasSubstr("must be a table"));
+}
+
+TEST_F(CheckedTableTest, MissingKeysAndTablesAreErrors) {
+  const auto table = parse("schema = 2\n");
+  EXPECT_THAT(error_of([&] { table.number("h"); }), AllOf(HasSubstr("'h'"), HasSubstr("is missing")));
+  EXPECT_THAT(error_of([&] { table.table("grains"); }), HasSubstr("needs a table [grains]"));
+  EXPECT_THAT(error_of([&] { table.tables("box"); }), HasSubstr("at least one [[box]]"));
+  EXPECT_THAT(error_of([&] { table.require_schema(1); }), HasSubstr("reads schema 1"));
+}
+
+TEST_F(CheckedTableTest, HalfAFileAndNoFileAreErrors) {
+  EXPECT_THAT(error_of([&] { parse("a = 1\n[geome"); }),
+              AllOf(HasSubstr("checked_table.toml:2"), HasSubstr("not valid TOML")));
+  EXPECT_THAT(error_of([] { CheckedTable::parse_file("/nowhere/x.toml"); }),
+              AllOf(HasSubstr("/nowhere/x.toml"), HasSubstr("no such file")));
+}
+
+TEST(NearestName, FindsTyposAndLeavesStrangersAlone) {
+  const std::set<std::string> names{"friction", "restitution", "density_kg_m3"};
+  EXPECT_EQ(nearest_name("fricton", names), "friction");
+  EXPECT_EQ(nearest_name("density", names), std::nullopt);
+  EXPECT_EQ(nearest_name("colour", names), std::nullopt);
+}
+
+}  // namespace
+}  // namespace talus

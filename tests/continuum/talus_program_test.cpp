@@ -1,0 +1,117 @@
+// The program `talus` as a user meets it: runs, help, and errors with their exit codes.
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "analysis/snapshot.h"
+#include "continuum/io/atomic_file.h"
+#include "tests/program.h"
+
+namespace talus {
+namespace {
+
+using testing::fresh_folder;
+using ::testing::HasSubstr;
+using testing::run_program;
+
+std::string small_scene(const std::string& end) {
+  return R"(schema = 1
+[domain]
+origin_m = [0.0, 0.0, 0.0]
+size_m = [0.2, 0.01, 0.1]
+cell_size_m = 0.01
+gravity_m_s2 = [0.0, 0.0, -9.81]
+periodic = ["y"]
+x_lower = { kind = "wall", friction_angle_deg = 0.0 }
+z_lower = { kind = "wall", friction_angle_deg = 30.0 }
+[[material]]
+name = "sand"
+grain_density_kg_m3 = 2500.0
+max_volume_fraction = 0.6
+friction_angle_deg = 30.0
+[[box]]
+material = "sand"
+lower_m = [0.0, 0.0, 0.0]
+upper_m = [0.05, 0.01, 0.05]
+[particles]
+per_cell_axis = 2
+jitter = 0.5
+seed = 3
+[time]
+end_s = )" +
+         end + "\nframe_interval_s = 0.01\n";
+}
+
+TEST(TalusProgram, RunsASceneToSnapshotsAndABudget) {
+  const auto folder = fresh_folder("talus_run");
+  std::ofstream(folder / "scene.toml") << small_scene("0.045");
+  const auto result =
+      run_program({"talus", "run", (folder / "scene.toml").string(), "--output", (folder / "out").string()});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const auto series = analysis::read_snapshots(folder / "out" / "snapshots.h5");
+  ASSERT_EQ(series.size(), 6u);
+  EXPECT_EQ(series.front().time, 0.0);
+  EXPECT_NEAR(series.back().time, 0.045, 1e-12);
+  const auto run = nlohmann::json::parse(read_file(folder / "out" / "run.json"));
+  EXPECT_EQ(run["budget"]["mass_error"], 0.0);
+  EXPECT_EQ(run["budget"]["cap_hits"], 0);
+  EXPECT_EQ(run["particles"], 200);
+  EXPECT_TRUE(run["provenance"].contains("git_hash"));
+  EXPECT_GT(run["budget"]["friction_iterations"], 0);
+}
+
+TEST(TalusProgram, CapsThatAreHitAreToldAndCounted) {
+  const auto folder = fresh_folder("talus_caps");
+  std::ofstream(folder / "scene.toml") << small_scene("0.02") << "[solver]\nmax_friction_iterations = 1\n";
+  const auto result =
+      run_program({"talus", "run", (folder / "scene.toml").string(), "--output", (folder / "out").string()});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("stopped at their iteration cap"));
+  const auto run = nlohmann::json::parse(read_file(folder / "out" / "run.json"));
+  EXPECT_GT(run["budget"]["cap_hits"], 0);
+  EXPECT_EQ(run["budget"]["converged"], false);
+}
+
+TEST(TalusProgram, BadInputIsOneErrorAndExitCodeTwo) {
+  const auto folder = fresh_folder("talus_bad");
+  std::ofstream(folder / "scene.toml") << small_scene("-1.0");
+  std::ofstream(folder / "blocked") << "";
+  const auto run = [&](const std::string& scene, const std::string& output) {
+    return run_program({"talus", "run", (folder / scene).string(), "--output", (folder / output).string()});
+  };
+  auto result = run("scene.toml", "out");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("'time.end_s' = -1.0: must be greater than 0"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+
+  result = run("absent.toml", "out");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("no such file"));
+
+  std::ofstream(folder / "scene.toml") << small_scene("0.02");
+  result = run("scene.toml", "blocked/out");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.output, HasSubstr("cannot make this folder"));
+
+  EXPECT_EQ(run_program({"talus", "fly"}).exit_code, 2);
+}
+
+TEST(TalusProgram, KilledHalfWayLeavesNoSnapshotsUnderTheirFinalName) {
+  const auto folder = fresh_folder("talus_killed");
+  std::ofstream(folder / "scene.toml") << small_scene("1000.0");
+  const auto result = run_program(
+      {"talus", "run", (folder / "scene.toml").string(), "--output", (folder / "out").string()}, 2.0);
+  EXPECT_TRUE(result.timed_out);
+  EXPECT_TRUE(std::filesystem::exists(folder / "out"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out" / "snapshots.h5"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out" / "run.json"));
+}
+
+TEST(TalusProgram, SaysWhatItIs) {
+  EXPECT_THAT(run_program({"talus", "--version"}).output, HasSubstr("talus 0.1.0 (git "));
+  EXPECT_THAT(run_program({"talus", "run", "--help"}).output, HasSubstr("--output"));
+}
+
+}  // namespace
+}  // namespace talus

@@ -1,0 +1,46 @@
+// Runs our programs, and others, from tests.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "continuum/io/atomic_file.h"
+#include "dem_cases/process.h"
+
+namespace talus::testing {
+
+/// An empty folder of this name among the tests' temporary files.
+inline std::filesystem::path fresh_folder(const std::string& name) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / ("talus_test_" + name);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+struct ProgramResult {
+  int exit_code;
+  bool timed_out;
+  std::string output;  // stdout and stderr
+};
+
+/// A program of ours by its bare name ("talus"), or any other by its path. In `folder`, or where the test
+/// runs.
+inline ProgramResult run_program(std::vector<std::string> command, double time_limit = 600.0,
+                                 std::filesystem::path folder = {}) {
+  const auto built = std::filesystem::path(TALUS_BINARY_DIR) / "bin" / command.front();
+  if (std::filesystem::exists(built)) command.front() = built.string();
+  const auto log = fresh_folder("log_" + std::to_string(::getpid())) / "output";
+  dem::ProcessRequest request;
+  request.command = command;
+  request.folder = folder.empty() ? std::filesystem::current_path() : folder;
+  request.log = log.string();
+  request.time_limit = std::chrono::duration<double>(time_limit);
+  request.stop = [] { return false; };
+  const auto result = dem::run_process(request);
+  return {result.exit_code, result.timed_out, read_file(log)};
+}
+
+}  // namespace talus::testing

@@ -1,0 +1,164 @@
+#include "validation/stored_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "continuum/io/atomic_file.h"
+#include "continuum/io/provenance.h"
+#include "continuum/scene/checked_table.h"
+#include "dem_cases/process.h"
+
+namespace talus::validation {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* snapshot_name = "snapshots.h5";
+constexpr const char* record_name = "record.json";
+
+/// One name for all that a run was given: file names and contents, in order.
+std::string hash_of_input(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  std::string all;
+  for (const auto& file : files)
+    all += fmt::format("{}\n{}\n", file.filename().string(), sha256(read_file(file)));
+  return sha256(all);
+}
+
+json finite_or_null(double value) { return std::isfinite(value) ? json(value) : json(); }
+
+json to_json(const analysis::CollapseMeasurement& m) {
+  const auto& o = m.observables;
+  return {{"observables",
+           {{"runout", finite_or_null(o.runout)},
+            {"x90", finite_or_null(o.x90)},
+            {"x95", finite_or_null(o.x95)},
+            {"centre_of_mass", finite_or_null(o.centre_of_mass)},
+            {"final_height", finite_or_null(o.final_height)},
+            {"stop_time", finite_or_null(o.stop_time)},
+            {"settled_height", finite_or_null(o.settled_height)},
+            {"settled_volume_fraction", finite_or_null(o.settled_volume_fraction)},
+            {"at_rest", o.at_rest}}},
+          {"curves",
+           {{"time", m.curves.time},
+            {"front", m.curves.front},
+            {"x95", m.curves.x95},
+            {"centre_of_mass", m.curves.centre_of_mass},
+            {"height", m.curves.height}}},
+          {"final_profile", {{"x", m.final_profile.x}, {"depth", m.final_profile.depth}}}};
+}
+
+std::string why_it_failed(const Job& job, const dem::ProcessResult& result,
+                          const std::filesystem::path& folder) {
+  if (result.interrupted) return "interrupted";
+  if (result.timed_out)
+    return fmt::format("stopped at its time limit of {} s; raise time_limit_s in the suite", job.time_limit);
+  const std::string told = job.backend.failure_text(folder);
+  return fmt::format("ended with exit code {}{}", result.exit_code, told.empty() ? "" : ": " + told);
+}
+
+}  // namespace
+
+std::string Job::label() const { return fmt::format("{} seed {}", backend_name, seed); }
+
+std::filesystem::path Job::partial_folder() const { return folder.string() + ".partial"; }
+
+analysis::CollapseRuler ruler_of(const dem::Case& column, double thickness) {
+  return {column.geometry.column_length, thickness, column.profile_bin, column.front_depth};
+}
+
+void run_job(const dem::Case& column, const Job& job, const std::function<bool()>& stop) {
+  const auto folder = job.partial_folder();
+  std::filesystem::remove_all(folder);
+  std::filesystem::remove_all(job.folder);
+  make_writable_folder(folder);
+  job.backend.write_input(folder);
+  const std::string input_hash = hash_of_input(folder);
+
+  dem::ProcessRequest request;
+  request.command = job.backend.command;
+  request.folder = folder;
+  request.log = job.backend.log_file;
+  request.environment = {{"OMP_NUM_THREADS", "1"}};
+  request.time_limit = std::chrono::duration<double>(job.time_limit);
+  request.stop = stop;
+  const dem::ProcessResult result = dem::run_process(request);
+  if (result.exit_code != 0 || result.timed_out || result.interrupted) {
+    throw RunError(
+        fmt::format("{}: {} (see {})", job.label(), why_it_failed(job, result, folder), folder.string()));
+  }
+  try {
+    const auto series = job.backend.read_output(folder);
+    json record = to_json(analysis::measure_column_collapse(series, ruler_of(column, job.backend.thickness)));
+    record["backend"] = job.backend_name;
+    record["seed"] = job.seed;
+    record["status"] = "ok";
+    record["input_hash"] = input_hash;
+    record["version"] = job.backend.version;
+    record["command"] = job.backend.command;
+    record["wall_s"] = result.wall_seconds;
+    record["cpu_s"] = result.cpu_seconds;
+    record["count"] = series.back().volumes.size();
+    record["preflight"] = job.backend.preflight;
+    record["solver"] = job.backend.solver_summary(folder);
+    record["time_step_s"] = record["solver"].is_object() ? record["solver"].at("longest_step_s")
+                                                         : json(column.protocol.time_step);
+    if (!std::filesystem::exists(folder / snapshot_name)) {
+      json made_by = provenance();
+      made_by["backend"] = job.backend_name;
+      made_by["backend_version"] = job.backend.version;
+      made_by["input_hash"] = input_hash;
+      analysis::write_snapshots(folder / snapshot_name, series, made_by.dump());
+    }
+    write_file_atomically(folder / record_name, record.dump(1) + "\n");
+  } catch (const std::exception& error) {
+    throw RunError(fmt::format("{}: {} (see {})", job.label(), error.what(), folder.string()));
+  }
+  std::filesystem::rename(folder, job.folder);
+}
+
+json read_record(const std::filesystem::path& folder) {
+  const auto file = folder / record_name;
+  try {
+    return json::parse(read_file(file));
+  } catch (const json::exception& error) {
+    throw InputError(fmt::format("{}: not a record of a run: {}", file.string(), error.what()));
+  }
+}
+
+json picture_of_run(const dem::Case& column, const Job& job) {
+  const auto series = analysis::read_snapshots(job.folder / snapshot_name);
+  const auto& last = series.back();
+  // A particle is drawn as the disc of its bulk area in the plane; a grain as itself.
+  const bool continuum = job.backend_name == "continuum";
+  const double phi = continuum ? measure_column_collapse(series, ruler_of(column, job.backend.thickness))
+                                     .observables.settled_volume_fraction
+                               : 1.0;
+  json picture{{"case", column.name}, {"backend", job.backend_name}, {"seed", job.seed}, {"time", last.time}};
+  std::vector<double> x, z, radius, x0;
+  const bool same_items = series.front().volumes.size() == last.volumes.size();
+  const auto micrometres = [](double metres) { return std::round(metres * 1e6) * 1e-6; };
+  for (Eigen::Index i = 0; i < last.volumes.size(); ++i) {
+    x.push_back(micrometres(last.positions(0, i)));
+    z.push_back(micrometres(last.positions(2, i)));
+    x0.push_back(micrometres(same_items ? series.front().positions(0, i) : last.positions(0, i)));
+    const double volume = last.volumes[i];
+    radius.push_back(
+        micrometres(continuum ? std::sqrt(2.0 * volume / phi / (job.backend.thickness * std::numbers::pi))
+                              : std::cbrt(0.75 * volume / std::numbers::pi)));
+  }
+  picture["x"] = x;
+  picture["z"] = z;
+  picture["radius"] = radius;
+  picture["x0"] = x0;
+  return picture;
+}
+
+}  // namespace talus::validation
