@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
+#include <stdexcept>
 #include <thread>
 
 #include "continuum/io/atomic_file.h"
@@ -97,7 +98,14 @@ ProcessResult run_process(const ProcessRequest& request) {
   Clock::time_point kill_at = Clock::time_point::max();
   int status = 0;
   rusage usage{};
-  for (int poll = 0; wait4(child, &status, WNOHANG, &usage) == 0; ++poll) {
+  for (int poll = 0;; ++poll) {
+    const pid_t ended = wait4(child, &status, WNOHANG, &usage);
+    if (ended == child) break;
+    // Someone else has collected it: its exit code is gone, and must not pass for 0.
+    if (ended < 0 && errno != EINTR) {
+      throw std::runtime_error(
+          fmt::format("cannot wait for '{}': {}", request.command.front(), std::strerror(errno)));
+    }
     const auto now = Clock::now();
     const bool ending = kill_at != Clock::time_point::max();
     if (!ending) {

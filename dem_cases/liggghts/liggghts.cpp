@@ -32,6 +32,15 @@ double rolling_friction_between(const Contact& contact, int a, int b) {
   return plane ? 0.5 * contact.rolling_friction : contact.rolling_friction;
 }
 
+/// A process on its own asks Open MPI for neither a daemon nor ssh, which a small machine may not have.
+std::vector<std::string> on_one_core(const std::filesystem::path& program,
+                                     const std::vector<std::string>& arguments) {
+  std::vector<std::string> command{"/usr/bin/env", "OMP_NUM_THREADS=1", "OMPI_MCA_ess_singleton_isolated=1",
+                                   program.string()};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return command;
+}
+
 template <class Function>
 std::string pair_table(const Contact& contact, Function value) {
   std::string text = fmt::format("{}", static_cast<int>(material_count));
@@ -132,7 +141,7 @@ std::string deck_text(const Case& column) {
 
 std::string version() {
   const auto program = find_program("liggghts", "liggghts");
-  const std::string said = output_of({program.string(), "-in", "/dev/null", "-log", "none"});
+  const std::string said = output_of(on_one_core(program, {"-in", "/dev/null", "-log", "none"}));
   constexpr std::string_view before = "LIGGGHTS-PUBLIC ";
   const auto at = said.find(before);
   if (at == std::string::npos)
@@ -151,13 +160,8 @@ void write_input(const Case& column, const Packing& packing, const std::filesyst
 }
 
 std::vector<std::string> command() {
-  return {"/usr/bin/env",
-          "OMP_NUM_THREADS=1",
-          find_program("liggghts", "liggghts").string(),
-          "-in",
-          std::string(deck_file),
-          "-log",
-          std::string(log_name)};
+  return on_one_core(find_program("liggghts", "liggghts"),
+                     {"-in", std::string(deck_file), "-log", std::string(log_name)});
 }
 
 double progress(const Case& column, const std::filesystem::path& folder) {

@@ -31,6 +31,8 @@ struct Code {
   std::string log;
 };
 
+void PrintTo(const Code& code, std::ostream* out) { *out << code.name; }
+
 const Code liggghts_code{"liggghts",
                          "3.8.0",
                          &liggghts::version,
