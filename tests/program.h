@@ -9,16 +9,9 @@
 
 #include "continuum/io/atomic_file.h"
 #include "dem_cases/process.h"
+#include "tests/fresh_folder.h"
 
 namespace talus::testing {
-
-/// An empty folder of this name among the tests' temporary files.
-inline std::filesystem::path fresh_folder(const std::string& name) {
-  const auto folder = std::filesystem::path(::testing::TempDir()) / ("talus_test_" + name);
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
-}
 
 struct ProgramResult {
   int exit_code;
@@ -32,7 +25,7 @@ inline ProgramResult run_program(std::vector<std::string> command, double time_l
                                  std::filesystem::path folder = {}) {
   const auto built = std::filesystem::path(TALUS_BINARY_DIR) / "bin" / command.front();
   if (std::filesystem::exists(built)) command.front() = built.string();
-  const auto log = fresh_folder("log_" + std::to_string(::getpid())) / "output";
+  const auto log = fresh_folder("log") / "output";
   dem::ProcessRequest request;
   request.command = command;
   request.folder = folder.empty() ? std::filesystem::current_path() : folder;

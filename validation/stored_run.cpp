@@ -45,6 +45,7 @@ json to_json(const analysis::CollapseMeasurement& m) {
             {"stop_time", finite_or_null(o.stop_time)},
             {"settled_height", finite_or_null(o.settled_height)},
             {"settled_volume_fraction", finite_or_null(o.settled_volume_fraction)},
+            {"lost_volume", finite_or_null(o.lost_volume)},
             {"at_rest", o.at_rest}}},
           {"curves",
            {{"time", m.curves.time},

@@ -1,4 +1,4 @@
-#include "browser.h"
+#include "tests/validation/browser.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace talus::test {
+namespace talus::testing {
 namespace {
 
 /// A fresh folder, removed with everything in it at the end.
@@ -85,4 +85,4 @@ std::string drawn_page(const std::filesystem::path& page) {
   return content_of(dom);
 }
 
-}  // namespace talus::test
+}  // namespace talus::testing

@@ -5,21 +5,15 @@
 
 #include "continuum/io/provenance.h"
 #include "continuum/scene/checked_table.h"
+#include "tests/fresh_folder.h"
 
 #include <nlohmann/json.hpp>
 
 namespace talus {
 namespace {
 
-std::filesystem::path fresh_folder() {
-  const auto folder = std::filesystem::path(::testing::TempDir()) / "atomic_file_test";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
-}
-
 TEST(AtomicFile, ReplacesTheOldContentAndLeavesNothingElse) {
-  const auto folder = fresh_folder();
+  const auto folder = testing::fresh_folder("atomic_file");
   write_file_atomically(folder / "a", "old");
   write_file_atomically(folder / "a", "new");
   EXPECT_EQ(read_file(folder / "a"), "new");
@@ -28,7 +22,7 @@ TEST(AtomicFile, ReplacesTheOldContentAndLeavesNothingElse) {
 
 TEST(AtomicFile, AFullDiskLeavesTheOldContent) {
   // /dev/full takes an open and refuses every write: put it where the temporary file would go.
-  const auto folder = fresh_folder();
+  const auto folder = testing::fresh_folder("atomic_file");
   write_file_atomically(folder / "a", "old");
   std::filesystem::create_symlink("/dev/full", folder / ("a.partial-" + std::to_string(::getpid())));
   EXPECT_THROW(write_file_atomically(folder / "a", "new"), InputError);
@@ -36,7 +30,7 @@ TEST(AtomicFile, AFullDiskLeavesTheOldContent) {
 }
 
 TEST(AtomicFile, AFolderThatCannotBeMadeIsAnError) {
-  const auto folder = fresh_folder();
+  const auto folder = testing::fresh_folder("atomic_file");
   write_file_atomically(folder / "file", "");
   EXPECT_THROW(make_writable_folder(folder / "file" / "below"), InputError);
   EXPECT_THROW(make_writable_folder("/proc/nowhere"), InputError);

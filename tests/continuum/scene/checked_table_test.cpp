@@ -5,6 +5,8 @@
 
 #include <fstream>
 
+#include "tests/fresh_folder.h"
+
 namespace talus {
 namespace {
 
@@ -14,7 +16,7 @@ using ::testing::HasSubstr;
 class CheckedTableTest : public ::testing::Test {
  protected:
   CheckedTable parse(const std::string& text) {
-    file_ = std::filesystem::path(::testing::TempDir()) / "checked_table.toml";
+    file_ = testing::fresh_folder("checked_table") / "checked_table.toml";
     std::ofstream(file_) << text;
     return CheckedTable::parse_file(file_);
   }

@@ -5,6 +5,8 @@
 
 #include <fstream>
 
+#include "tests/fresh_folder.h"
+
 #include "continuum/scene/checked_table.h"
 
 namespace talus {
@@ -39,7 +41,7 @@ frame_interval_s = 0.01
 )";
 
 Scene read(const std::string& text) {
-  const auto file = std::filesystem::path(::testing::TempDir()) / "scene.toml";
+  const auto file = testing::fresh_folder("scene") / "scene.toml";
   std::ofstream(file) << text;
   return read_scene(file);
 }

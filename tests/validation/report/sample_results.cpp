@@ -1,4 +1,4 @@
-#include "sample_results.h"
+#include "tests/validation/report/sample_results.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace talus::test {
+namespace talus::testing {
 namespace {
 
 using nlohmann::json;
@@ -183,4 +183,4 @@ json sample_pictures() {
   return pictures;
 }
 
-}  // namespace talus::test
+}  // namespace talus::testing

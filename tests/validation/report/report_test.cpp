@@ -9,10 +9,10 @@
 #include <limits>
 #include <string>
 
-#include "browser.h"
+#include "tests/validation/browser.h"
 #include "continuum/io/atomic_file.h"
 #include "continuum/scene/checked_table.h"
-#include "sample_results.h"
+#include "tests/validation/report/sample_results.h"
 
 namespace talus {
 namespace {
@@ -34,7 +34,7 @@ class Report : public ::testing::Test {
 
   std::string drawn(const json& results, const json& pictures) const {
     write_report(results, pictures, file);
-    return test::drawn_page(file);
+    return testing::drawn_page(file);
   }
 
   fs::path folder, file;
@@ -59,7 +59,7 @@ std::size_t count_of(const std::string& text, const std::string& what) {
 }
 
 TEST_F(Report, DrawsEverything) {
-  const std::string page = visible(drawn(test::sample_results(), test::sample_pictures()));
+  const std::string page = visible(drawn(testing::sample_results(), testing::sample_pictures()));
   EXPECT_THAT(page, HasSubstr("data-charts=\"3\""));  // front, profile, deposits
   EXPECT_THAT(page, HasSubstr("data-errors=\"0\""));
   EXPECT_THAT(page, HasSubstr("<h1 id=\"title\">Smoke suite</h1>"));
@@ -83,7 +83,7 @@ TEST_F(Report, DrawsEverything) {
 }
 
 TEST_F(Report, AsksTheNetworkForNothing) {
-  const std::string page = drawn(test::sample_results(), test::sample_pictures());
+  const std::string page = drawn(testing::sample_results(), testing::sample_pictures());
   // The browser has written all attributes in lower case and with double quotes.
   EXPECT_THAT(visible(page),
               Not(ContainsRegex(" (src|srcset|href|action|data|poster)=\"(https?:|//|file:)")));
@@ -99,8 +99,8 @@ TEST_F(Report, HostileTextDoesNotRun) {
   const std::string attack =
       "</script><script>document.body.dataset.hostile='ran'</script>"
       "<img src=x onerror=\"document.body.dataset.hostile='ran'\"><!-- {{results}}";
-  json results = test::sample_results();
-  json pictures = test::sample_pictures();
+  json results = testing::sample_results();
+  json pictures = testing::sample_pictures();
   results["suite"] = attack;
   results["verdict"] = attack;
   results["provenance"][attack] = attack;
@@ -122,7 +122,7 @@ TEST_F(Report, HostileTextDoesNotRun) {
 }
 
 TEST_F(Report, MissingPartsAreShownAsMissing) {
-  json results = test::sample_results();
+  json results = testing::sample_results();
   results.erase("provenance");
   results["complete"] = false;
   json& column = results["cases"][0];
@@ -154,17 +154,17 @@ TEST_F(Report, NearlyNothingStillGivesAPage) {
 }
 
 TEST_F(Report, BadDataIsCountedAsAnError) {
-  json results = test::sample_results();
+  json results = testing::sample_results();
   results["cases"][0]["runs"][0]["curves"]["front"] = "not a list";
   results["cases"][0]["summary"] = "not a list";
-  const std::string page = visible(drawn(results, test::sample_pictures()));
+  const std::string page = visible(drawn(results, testing::sample_pictures()));
   EXPECT_THAT(page, HasSubstr("could not be drawn"));
   EXPECT_THAT(page, Not(HasSubstr("data-errors=\"0\"")));
   EXPECT_THAT(page, HasSubstr("What each run took"));  // the rest of the page stands
 }
 
 TEST_F(Report, UnwritablePlace) {
-  EXPECT_THROW(write_report(test::sample_results(), json::array(), folder / "absent" / "report.html"),
+  EXPECT_THROW(write_report(testing::sample_results(), json::array(), folder / "absent" / "report.html"),
                InputError);
 }
 

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace talus::test {
+namespace talus::testing {
 
 /// A results.json of schema version 1: one case, three backends, two seeds, every part present.
 nlohmann::json sample_results();
@@ -11,4 +11,4 @@ nlohmann::json sample_results();
 /// The deposits that belong to it.
 nlohmann::json sample_pictures();
 
-}  // namespace talus::test
+}  // namespace talus::testing
