@@ -26,6 +26,8 @@ std::string value_text(const toml::node& node) {
   node.visit([&](const auto& n) {
     if constexpr (toml::is_table<decltype(n)>)
       text << "a table";
+    else if constexpr (toml::is_floating_point<decltype(n)>)
+      text << fmt::format("{}", n.get());  // as the user wrote it, not to 17 digits
     else
       text << n;
   });
@@ -108,6 +110,16 @@ InputError CheckedTable::error(std::string_view key, std::string_view why) const
       fmt::format("{}:{}: key '{}{}'{}: {}", node_->file.string(), line, node_->prefix, key, shown, why));
 }
 
+InputError CheckedTable::missing(std::string_view key, std::string_view what) const {
+  std::set<std::string> strangers;  // present, but nobody has asked for them so far
+  for (const auto& [name, value] : *node_->table) {
+    if (!node_->asked.contains(std::string(name.str()))) strangers.emplace(name.str());
+  }
+  const auto meant = nearest_name(key, strangers);
+  return error(key, fmt::format("is missing; {}{}", what,
+                                meant ? fmt::format("; the file has '{}' instead", *meant) : ""));
+}
+
 namespace {
 
 template <class T>
@@ -123,7 +135,7 @@ constexpr std::string_view type_name() {
 }  // namespace
 
 double CheckedTable::number(std::string_view key, Range allowed) const {
-  if (!has(key)) throw error(key, fmt::format("is missing; it must be a number, {}", range_text(allowed)));
+  if (!has(key)) throw missing(key, fmt::format("it must be a number, {}", range_text(allowed)));
   const auto value = node_->table->get(key)->value<double>();
   if (!value || !node_->table->get(key)->is_number()) {
     throw error(key, fmt::format("must be a number, {}", range_text(allowed)));
@@ -140,7 +152,7 @@ double CheckedTable::number(std::string_view key, Range allowed, double otherwis
 
 std::int64_t CheckedTable::integer(std::string_view key, std::int64_t low, std::int64_t high) const {
   const std::string allowed = fmt::format("a whole number between {} and {}", low, high);
-  if (!has(key)) throw error(key, "is missing; it must be " + allowed);
+  if (!has(key)) throw missing(key, "it must be " + allowed);
   const auto* value = node_->table->get(key)->as_integer();
   if (!value || value->get() < low || value->get() > high) throw error(key, "must be " + allowed);
   return value->get();
@@ -152,7 +164,7 @@ std::int64_t CheckedTable::integer(std::string_view key, std::int64_t low, std::
 }
 
 std::string CheckedTable::string(std::string_view key) const {
-  if (!has(key)) throw error(key, "is missing; it must be text in quotes");
+  if (!has(key)) throw missing(key, "it must be text in quotes");
   const auto* value = node_->table->get(key)->as_string();
   if (!value) throw error(key, "must be text in quotes");
   return value->get();
@@ -189,7 +201,8 @@ std::vector<T> read_array(const Table& table, const toml::array* array, std::str
 }  // namespace
 
 Eigen::Vector3d CheckedTable::vector(std::string_view key, Range allowed) const {
-  const auto* array = has(key) ? node_->table->get(key)->as_array() : nullptr;
+  if (!has(key)) throw missing(key, "it must be three numbers, [x, y, z]");
+  const auto* array = node_->table->get(key)->as_array();
   if (!array || array->size() != 3) throw error(key, "must be three numbers, [x, y, z]");
   const auto values = read_array<double>(*this, array, key);
   for (const double value : values) {
@@ -202,8 +215,9 @@ Eigen::Vector3d CheckedTable::vector(std::string_view key, Range allowed) const 
 
 std::vector<std::int64_t> CheckedTable::integers(std::string_view key, std::int64_t low,
                                                  std::int64_t high) const {
-  const auto* array = has(key) ? node_->table->get(key)->as_array() : nullptr;
   const std::string allowed = fmt::format("whole numbers between {} and {}", low, high);
+  if (!has(key)) throw missing(key, "it must be a list of " + allowed);
+  const auto* array = node_->table->get(key)->as_array();
   if (!array || array->empty()) throw error(key, fmt::format("must be a list of {}", allowed));
   const auto values = read_array<std::int64_t>(*this, array, key);
   const bool inside =
@@ -215,14 +229,14 @@ std::vector<std::int64_t> CheckedTable::integers(std::string_view key, std::int6
 }
 
 std::vector<std::string> CheckedTable::strings(std::string_view key) const {
-  const auto* array = has(key) ? node_->table->get(key)->as_array() : nullptr;
+  if (!has(key)) throw missing(key, "it must be a list of texts in quotes");
+  const auto* array = node_->table->get(key)->as_array();
   if (!array || array->empty()) throw error(key, "must be a list of texts in quotes");
   return read_array<std::string>(*this, array, key);
 }
 
 CheckedTable CheckedTable::table(std::string_view key) const {
-  if (!has(key))
-    throw error(key, fmt::format("is missing; the file needs a table [{}{}]", node_->prefix, key));
+  if (!has(key)) throw missing(key, fmt::format("the file needs a table [{}{}]", node_->prefix, key));
   const auto* table = node_->table->get(key)->as_table();
   if (!table) throw error(key, fmt::format("must be a table, [{}{}]", node_->prefix, key));
   return CheckedTable(std::make_unique<Node>(
@@ -235,7 +249,8 @@ std::optional<CheckedTable> CheckedTable::optional_table(std::string_view key) c
 }
 
 std::vector<CheckedTable> CheckedTable::tables(std::string_view key) const {
-  const auto* array = has(key) ? node_->table->get(key)->as_array() : nullptr;
+  if (!has(key)) throw missing(key, fmt::format("the file needs at least one [[{}{}]]", node_->prefix, key));
+  const auto* array = node_->table->get(key)->as_array();
   if (!array || array->empty() || !array->is_homogeneous(toml::node_type::table)) {
     throw error(key, fmt::format("the file needs at least one [[{}{}]]", node_->prefix, key));
   }
@@ -259,8 +274,7 @@ std::vector<std::pair<std::string, CheckedTable>> CheckedTable::named_tables() c
 }
 
 void CheckedTable::require_schema(std::int64_t version) const {
-  if (!has("schema"))
-    throw error("schema", fmt::format("is missing; the file must say schema = {}", version));
+  if (!has("schema")) throw missing("schema", fmt::format("the file must say schema = {}", version));
   if (integer("schema", 1, 1'000'000) != version) {
     throw error("schema", fmt::format("this program reads schema {}", version));
   }

@@ -78,6 +78,8 @@ class CheckedTable {
 
  private:
   struct Node;
+  /// An InputError that says `key` is missing and names the key that may have been meant.
+  InputError missing(std::string_view key, std::string_view what) const;
   explicit CheckedTable(std::unique_ptr<Node> node);
   std::unique_ptr<Node> node_;
 };

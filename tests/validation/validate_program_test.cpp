@@ -171,7 +171,7 @@ TEST(ValidateErrors, BadInputIsOneErrorExitCodeTwoAndNothingWritten) {
   expect("restitution = 0.5", "restitution = 0.5\nstickiness = 1.0",
          AllOf(HasSubstr("stickiness"), HasSubstr("column.toml:")));
   expect("diameter_m = 0.003", "diameter_mm = 3.0",
-         AllOf(HasSubstr("diameter_m"), HasSubstr("column.toml:")));
+         AllOf(HasSubstr("diameter_mm"), HasSubstr("column.toml:")));
   expect("time_step_s = 3.5e-5", "time_step_s = 1.4e-4", HasSubstr("Rayleigh"));
   expect("[protocol]", "[proto", AllOf(HasSubstr("column.toml:"), HasSubstr("not valid TOML")));
   // Half a case file: everything from the middle on is gone.

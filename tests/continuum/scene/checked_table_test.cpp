@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class CheckedTableTest : public ::testing::Test {
  protected:
@@ -52,10 +53,18 @@ TEST_F(CheckedTableTest, UnknownKeyNamesTheNearestRightOne) {
                     HasSubstr("did you mean 'diameter_m'"), HasSubstr("density_kg_m3")));
 }
 
+TEST_F(CheckedTableTest, AMissingKeyNamesTheOneThatMayHaveBeenMeant) {
+  const auto table = parse("diameter_mm = 3.0\n");
+  EXPECT_THAT(
+      error_of([&] { table.number("diameter_m", positive); }),
+      AllOf(HasSubstr("'diameter_m'"), HasSubstr("is missing"), HasSubstr("has 'diameter_mm' instead")));
+  EXPECT_THAT(error_of([&] { table.number("density_kg_m3"); }), Not(HasSubstr("instead")));
+}
+
 TEST_F(CheckedTableTest, OutOfRangeNamesValueAndRange) {
   const auto table = parse("[grains]\nd = -1.0\n");
   EXPECT_THAT(error_of([&] { table.table("grains").number("d", positive); }),
-              AllOf(HasSubstr(":2"), HasSubstr("'grains.d' = -1.0"), HasSubstr("greater than 0")));
+              AllOf(HasSubstr(":2"), HasSubstr("'grains.d' = -1"), HasSubstr("greater than 0")));
 }
 
 TEST_F(CheckedTableTest, NotFiniteIsOutOfEveryRange) {
