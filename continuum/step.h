@@ -43,7 +43,6 @@ struct StepReport {
   double dt = 0.0;
   ProjectionReport projection;
   PackingResult packing;
-  double peak_fill = 0.0;           // after the density correction
   double largest_move = 0.0;        // in cells
   Eigen::Index particles_left = 0;  // left the domain through an open side
   double mass_left = 0.0;           // kg

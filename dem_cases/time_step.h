@@ -1,9 +1,8 @@
 // The discrete codes' time step: its preflight, made on every deck before it runs, and how many of them a run
 // takes.
 //
-//   Rayleigh   T_R = pi r sqrt(rho / G) / (0.1631 nu + 0.8766)           time of a surface wave around the
-//   smallest grain Hertz      T_H = 2.87 (m*^2 / (R* E*^2 v))^(1/5)                     duration of a
-//   collision at the largest speed
+//   Rayleigh  T_R = pi r sqrt(rho / G) / (0.1631 nu + 0.8766)    time of a surface wave around the smallest grain
+//   Hertz     T_H = 2.87 (m*^2 / (R* E*^2 v))^(1/5)              duration of a collision at the largest speed
 // (Thornton & Randall 1988; Johnson, Contact Mechanics 1985, eq. 11.24; the same pair that LIGGGHTS checks.)
 #pragma once
 

@@ -87,10 +87,12 @@ void run_jobs(const Suite& suite, const std::vector<Job>& jobs, int workers,
       }
       lock.lock();
       board.phases[i] = failure.empty() ? Phase::finished : Phase::failed;
-      if (failure.empty())
+      if (failure.empty()) {
         spdlog::info("{} finished", jobs[i].label());
-      else
+      } else {
+        spdlog::error("{}", failure);
         board.failures.push_back(failure);
+      }
     }
     --board.busy;
     board.changed.notify_all();

@@ -9,9 +9,9 @@
 #include <limits>
 #include <string>
 
-#include "tests/validation/browser.h"
 #include "continuum/io/atomic_file.h"
 #include "continuum/scene/checked_table.h"
+#include "tests/validation/browser.h"
 #include "tests/validation/report/sample_results.h"
 
 namespace talus {
