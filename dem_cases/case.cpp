@@ -116,7 +116,7 @@ std::vector<ObservableBand> read_observables(const CheckedTable& root) {
 }
 
 std::string read_name(const CheckedTable& root, std::string_view key) {
-  const std::string name = root.string(key);
+  std::string name = root.string(key);
   const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return std::isalnum(c) || c == '_' || c == '-';
   });

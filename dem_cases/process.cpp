@@ -19,8 +19,6 @@
 #include "continuum/io/atomic_file.h"
 #include "continuum/scene/checked_table.h"
 
-extern char** environ;
-
 namespace talus::dem {
 namespace {
 
@@ -158,7 +156,7 @@ std::filesystem::path find_program(const std::string& name, const std::string& d
   const char* path = std::getenv("PATH");
   std::istringstream folders(path ? path : "");
   for (std::string folder; std::getline(folders, folder, ':');) {
-    const auto candidate = std::filesystem::path(folder) / name;
+    auto candidate = std::filesystem::path(folder) / name;
     if (::access(candidate.c_str(), X_OK) == 0 && std::filesystem::is_regular_file(candidate))
       return candidate;
   }

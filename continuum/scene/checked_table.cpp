@@ -175,7 +175,7 @@ std::string CheckedTable::string(std::string_view key, std::string_view otherwis
 }
 
 std::string CheckedTable::choice(std::string_view key, std::span<const std::string_view> allowed) const {
-  const std::string value = string(key);
+  std::string value = string(key);
   if (std::find(allowed.begin(), allowed.end(), value) == allowed.end()) {
     throw error(key, fmt::format("must be one of: {}", fmt::join(allowed, ", ")));
   }
@@ -219,7 +219,7 @@ std::vector<std::int64_t> CheckedTable::integers(std::string_view key, std::int6
   if (!has(key)) throw missing(key, "it must be a list of " + allowed);
   const auto* array = node_->table->get(key)->as_array();
   if (!array || array->empty()) throw error(key, fmt::format("must be a list of {}", allowed));
-  const auto values = read_array<std::int64_t>(*this, array, key);
+  auto values = read_array<std::int64_t>(*this, array, key);
   const bool inside =
       std::all_of(values.begin(), values.end(), [&](auto v) { return v >= low && v <= high; });
   if (!inside) throw error(key, "must hold " + allowed);

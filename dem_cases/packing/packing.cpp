@@ -89,9 +89,9 @@ std::vector<Sphere> make_column(const Case& column, Uniform& uniform) {
     const double radius = random_radius(column.grains, uniform);
     if (filled + 0.5 * volume(radius) > wanted) return spheres;
     const auto index = static_cast<long>(spheres.size());
-    const Eigen::Vector3d cell(static_cast<double>(index / across % along),
-                               static_cast<double>(index % across),
-                               static_cast<double>(index / (across * along)));
+    const long row = index / across;
+    const Eigen::Vector3d cell(static_cast<double>(row % along), static_cast<double>(index % across),
+                               static_cast<double>(row / along));
     const Eigen::Vector3d room = jitter_use * (0.5 * pitch.array() - radius);
     Eigen::Vector3d position, velocity;
     for (int axis = 0; axis < 3; ++axis) {
