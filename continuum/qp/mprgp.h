@@ -55,7 +55,9 @@ BoundQpResult minimise_bound_qp(const Apply& apply, const Eigen::ArrayXd& b, con
   const auto split_gradient = [&] {
     const auto at_low = y <= low, at_high = y >= high;
     free = (at_low || at_high).select(0.0, gradient);
-    chopped = at_low.select(gradient.min(0.0), at_high.select(gradient.max(0.0), 0.0));
+    // A variable whose bounds coincide cannot move, whatever its gradient.
+    chopped = (at_low && at_high)
+                  .select(0.0, at_low.select(gradient.min(0.0), at_high.select(gradient.max(0.0), 0.0)));
   };
   const auto largest_step = [&](const Array& direction) {  // largest alpha with y - alpha direction feasible
     double alpha = std::numeric_limits<double>::infinity();

@@ -91,6 +91,20 @@ TEST(BoundQp, WarmStartAtTheSolutionNeedsNoIteration) {
   EXPECT_EQ(solve(qp, {1e-8, 100}, x).iterations, 0);
 }
 
+TEST(BoundQp, VariablesWithEqualBoundsAreLeftAlone) {
+  DenseQp qp = random_qp(6, 2, true);
+  qp.upper[1] = qp.upper[4] = 0.0;
+  Eigen::ArrayXd x = Eigen::ArrayXd::Constant(6, 0.05);
+  const auto result = solve(qp, {1e-10, 2000}, x);
+  EXPECT_TRUE(result.converged);
+  EXPECT_EQ(x[1], 0.0);
+  const Eigen::VectorXd g = qp.a * x.matrix() + qp.b;
+  for (const Eigen::Index i : {0, 2, 3, 5}) {
+    EXPECT_LE(x[i] > 1e-12 ? g[i] : 0.0, 1e-9);
+    EXPECT_GE(x[i] < 0.2 - 1e-12 ? g[i] : 0.0, -1e-9);
+  }
+}
+
 TEST(BoundQp, SaysWhenItStopsAtItsCap) {
   const DenseQp qp = random_qp(12, 1, false);
   Eigen::ArrayXd x = Eigen::ArrayXd::Zero(12);
