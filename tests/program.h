@@ -9,7 +9,7 @@
 
 #include "continuum/io/atomic_file.h"
 #include "dem_cases/process.h"
-#include "tests/fresh_folder.h"
+#include "tests/test_folder.h"
 
 namespace talus::testing {
 
@@ -25,7 +25,8 @@ inline ProgramResult run_program(std::vector<std::string> command, double time_l
                                  std::filesystem::path folder = {}) {
   const auto built = std::filesystem::path(TALUS_BINARY_DIR) / "bin" / command.front();
   if (std::filesystem::exists(built)) command.front() = built.string();
-  const auto log = fresh_folder("log") / "output";
+  const TestFolder log_folder;
+  const auto log = log_folder.path() / "output";
   dem::ProcessRequest request;
   request.command = command;
   request.folder = folder.empty() ? std::filesystem::current_path() : folder;

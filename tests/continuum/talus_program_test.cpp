@@ -11,40 +11,19 @@
 namespace talus {
 namespace {
 
-using testing::fresh_folder;
 using ::testing::HasSubstr;
 using testing::run_program;
+using testing::TestFolder;
+
+const std::string scene_file = TALUS_SOURCE_DIR "/tests/continuum/data/small_column.toml";
 
 std::string small_scene(const std::string& end) {
-  return R"(schema = 1
-[domain]
-origin_m = [0.0, 0.0, 0.0]
-size_m = [0.2, 0.01, 0.1]
-cell_size_m = 0.01
-gravity_m_s2 = [0.0, 0.0, -9.81]
-periodic = ["y"]
-x_lower = { kind = "wall", friction_angle_deg = 0.0 }
-z_lower = { kind = "wall", friction_angle_deg = 30.0 }
-[[material]]
-name = "sand"
-grain_density_kg_m3 = 2500.0
-max_volume_fraction = 0.6
-friction_angle_deg = 30.0
-[[box]]
-material = "sand"
-lower_m = [0.0, 0.0, 0.0]
-upper_m = [0.05, 0.01, 0.05]
-[particles]
-per_cell_axis = 2
-jitter = 0.5
-seed = 3
-[time]
-end_s = )" +
-         end + "\nframe_interval_s = 0.01\n";
+  return testing::replaced(read_file(scene_file), "end_s = 0.045", "end_s = " + end);
 }
 
 TEST(TalusProgram, RunsASceneToSnapshotsAndABudget) {
-  const auto folder = fresh_folder("talus_run");
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
   std::ofstream(folder / "scene.toml") << small_scene("0.045");
   const auto result =
       run_program({"talus", "run", (folder / "scene.toml").string(), "--output", (folder / "out").string()});
@@ -62,7 +41,8 @@ TEST(TalusProgram, RunsASceneToSnapshotsAndABudget) {
 }
 
 TEST(TalusProgram, CapsThatAreHitAreToldAndCounted) {
-  const auto folder = fresh_folder("talus_caps");
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
   std::ofstream(folder / "scene.toml") << small_scene("0.02") << "[solver]\nmax_friction_iterations = 1\n";
   const auto result =
       run_program({"talus", "run", (folder / "scene.toml").string(), "--output", (folder / "out").string()});
@@ -74,7 +54,8 @@ TEST(TalusProgram, CapsThatAreHitAreToldAndCounted) {
 }
 
 TEST(TalusProgram, BadInputIsOneErrorAndExitCodeTwo) {
-  const auto folder = fresh_folder("talus_bad");
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
   std::ofstream(folder / "scene.toml") << small_scene("-1.0");
   std::ofstream(folder / "blocked") << "";
   const auto run = [&](const std::string& scene, const std::string& output) {
@@ -98,7 +79,8 @@ TEST(TalusProgram, BadInputIsOneErrorAndExitCodeTwo) {
 }
 
 TEST(TalusProgram, KilledHalfWayLeavesNoSnapshotsUnderTheirFinalName) {
-  const auto folder = fresh_folder("talus_killed");
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
   std::ofstream(folder / "scene.toml") << small_scene("1000.0");
   const auto result = run_program(
       {"talus", "run", (folder / "scene.toml").string(), "--output", (folder / "out").string()}, 2.0);

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "test_folder.h"
+#include "tests/dem_cases/case_files.h"
 
 namespace talus::dem {
 namespace {

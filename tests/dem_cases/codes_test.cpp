@@ -9,7 +9,7 @@
 #include "dem_cases/liggghts/liggghts.h"
 #include "dem_cases/process.h"
 #include "dem_cases/yade/yade.h"
-#include "test_folder.h"
+#include "tests/dem_cases/case_files.h"
 
 namespace talus::dem {
 namespace {

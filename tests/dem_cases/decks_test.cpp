@@ -6,7 +6,7 @@
 
 #include "dem_cases/liggghts/liggghts.h"
 #include "dem_cases/yade/yade.h"
-#include "test_folder.h"
+#include "tests/dem_cases/case_files.h"
 
 namespace talus::dem {
 namespace {

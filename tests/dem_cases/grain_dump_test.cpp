@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "dem_cases/time_step.h"
-#include "test_folder.h"
+#include "tests/dem_cases/case_files.h"
 
 namespace talus::dem {
 namespace {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <thread>
 
-#include "test_folder.h"
+#include "tests/dem_cases/case_files.h"
 
 namespace talus::dem {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "test_folder.h"
+#include "tests/dem_cases/case_files.h"
 
 namespace talus::dem {
 namespace {

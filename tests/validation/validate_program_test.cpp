@@ -13,10 +13,10 @@ namespace talus {
 namespace {
 
 using ::testing::AllOf;
-using testing::fresh_folder;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::run_program;
+using testing::TestFolder;
 
 const std::filesystem::path source = TALUS_SOURCE_DIR;
 const std::string tiny_suite = (source / "tests/validation/data/tiny_suite.toml").string();
@@ -48,12 +48,15 @@ std::string changed_suite(const std::filesystem::path& folder, const std::string
 class WholeChain : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    output_ = fresh_folder("whole_chain");
+    folder_ = std::make_unique<TestFolder>();
+    output_ = folder_->path();
     result_ = validate("run", tiny_suite, output_);
   }
+  static void TearDownTestSuite() { folder_.reset(); }
   void SetUp() override { ASSERT_EQ(result_.exit_code, 0) << result_.output; }
   static nlohmann::json results() { return nlohmann::json::parse(read_file(output_ / "results.json")); }
 
+  static inline std::unique_ptr<TestFolder> folder_;
   static inline std::filesystem::path output_;
   static inline testing::ProgramResult result_;
 };
@@ -144,7 +147,8 @@ TEST_F(WholeChain, ReportIsMadeAgainFromTheStoredRuns) {
 }
 
 TEST_F(WholeChain, HalfWrittenResultsAreRefused) {
-  const auto folder = fresh_folder("half_results");
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
   const std::string whole = read_file(output_ / "results.json");
   std::ofstream(folder / "results.json") << whole.substr(0, whole.size() / 2);
   auto result = run_program({"talus-validate", "check", "--output", folder.string()});
@@ -159,7 +163,8 @@ TEST_F(WholeChain, HalfWrittenResultsAreRefused) {
 }
 
 TEST(ValidateErrors, BadInputIsOneErrorExitCodeTwoAndNothingWritten) {
-  const auto folder = fresh_folder("bad_input");
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
   const auto expect = [&](const std::string& from, const std::string& to, const auto& message) {
     const auto result = validate("run", changed_suite(folder, from, to), folder / "out");
     EXPECT_EQ(result.exit_code, 2) << to;
@@ -180,7 +185,8 @@ TEST(ValidateErrors, BadInputIsOneErrorExitCodeTwoAndNothingWritten) {
 }
 
 TEST(ValidateErrors, AMissingProgramIsNamedWithItsPackage) {
-  const auto folder = fresh_folder("missing_program");
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
   const auto program = std::filesystem::path(TALUS_BINARY_DIR) / "bin" / "talus-validate";
   std::filesystem::create_symlink("/usr/bin/liggghts", folder / "liggghts");
   const auto result = run_program({"/usr/bin/env", "PATH=" + folder.string(), program.string(), "run",
@@ -191,7 +197,8 @@ TEST(ValidateErrors, AMissingProgramIsNamedWithItsPackage) {
 }
 
 TEST(ValidateErrors, AFolderThatCannotBeWrittenIsAnError) {
-  const auto folder = fresh_folder("unwritable");
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
   std::ofstream(folder / "file") << "";
   const auto result = validate("run", tiny_suite, folder / "file" / "out");
   EXPECT_EQ(result.exit_code, 2);
@@ -199,7 +206,8 @@ TEST(ValidateErrors, AFolderThatCannotBeWrittenIsAnError) {
 }
 
 TEST(ValidateErrors, ARunOverItsTimeLimitFailsTheSuiteAndLeavesNoResults) {
-  const auto folder = fresh_folder("time_limit");
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
   const auto result =
       validate("run", changed_suite(folder, "time_limit_s = 120.0", "time_limit_s = 1.0"), folder / "out");
   EXPECT_EQ(result.exit_code, 1);
@@ -209,7 +217,8 @@ TEST(ValidateErrors, ARunOverItsTimeLimitFailsTheSuiteAndLeavesNoResults) {
 }
 
 TEST(ValidateErrors, AnInterruptedRunLeavesNothingThatPassesForWhole) {
-  const auto output = fresh_folder("interrupted");
+  const TestFolder temporary;
+  const auto& output = temporary.path();
   const auto program = std::filesystem::path(TALUS_BINARY_DIR) / "bin" / "talus-validate";
   // Results of an earlier run must not survive as if they were this run's.
   std::ofstream(output / "results.json") << "{}";

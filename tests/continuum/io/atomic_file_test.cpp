@@ -5,7 +5,7 @@
 
 #include "continuum/io/provenance.h"
 #include "continuum/scene/checked_table.h"
-#include "tests/fresh_folder.h"
+#include "tests/test_folder.h"
 
 #include <nlohmann/json.hpp>
 
@@ -13,7 +13,8 @@ namespace talus {
 namespace {
 
 TEST(AtomicFile, ReplacesTheOldContentAndLeavesNothingElse) {
-  const auto folder = testing::fresh_folder("atomic_file");
+  const testing::TestFolder temporary;
+  const auto& folder = temporary.path();
   write_file_atomically(folder / "a", "old");
   write_file_atomically(folder / "a", "new");
   EXPECT_EQ(read_file(folder / "a"), "new");
@@ -22,7 +23,8 @@ TEST(AtomicFile, ReplacesTheOldContentAndLeavesNothingElse) {
 
 TEST(AtomicFile, AFullDiskLeavesTheOldContent) {
   // /dev/full takes an open and refuses every write: put it where the temporary file would go.
-  const auto folder = testing::fresh_folder("atomic_file");
+  const testing::TestFolder temporary;
+  const auto& folder = temporary.path();
   write_file_atomically(folder / "a", "old");
   std::filesystem::create_symlink("/dev/full", folder / ("a.partial-" + std::to_string(::getpid())));
   EXPECT_THROW(write_file_atomically(folder / "a", "new"), InputError);
@@ -30,7 +32,8 @@ TEST(AtomicFile, AFullDiskLeavesTheOldContent) {
 }
 
 TEST(AtomicFile, AFolderThatCannotBeMadeIsAnError) {
-  const auto folder = testing::fresh_folder("atomic_file");
+  const testing::TestFolder temporary;
+  const auto& folder = temporary.path();
   write_file_atomically(folder / "file", "");
   EXPECT_THROW(make_writable_folder(folder / "file" / "below"), InputError);
   EXPECT_THROW(make_writable_folder("/proc/nowhere"), InputError);

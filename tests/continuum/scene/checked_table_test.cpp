@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "tests/fresh_folder.h"
+#include "tests/test_folder.h"
 
 namespace talus {
 namespace {
@@ -17,19 +17,11 @@ using ::testing::Not;
 class CheckedTableTest : public ::testing::Test {
  protected:
   CheckedTable parse(const std::string& text) {
-    file_ = testing::fresh_folder("checked_table") / "checked_table.toml";
+    file_ = folder_.path() / "checked_table.toml";
     std::ofstream(file_) << text;
     return CheckedTable::parse_file(file_);
   }
-  template <class Function>
-  static std::string error_of(Function&& f) {
-    try {
-      f();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
-  }
+  testing::TestFolder folder_;
   std::filesystem::path file_;
 };
 
@@ -48,7 +40,7 @@ TEST_F(CheckedTableTest, UnknownKeyNamesTheNearestRightOne) {
   const auto table = parse("\ndiameter_mm = 3.0\n");
   table.has("diameter_m");
   table.has("density_kg_m3");
-  EXPECT_THAT(error_of([&] { table.finish(); }),
+  EXPECT_THAT(testing::input_error([&] { table.finish(); }),
               AllOf(HasSubstr("checked_table.toml:2"), HasSubstr("'diameter_mm' = 3"),
                     HasSubstr("did you mean 'diameter_m'"), HasSubstr("density_kg_m3")));
 }
@@ -56,45 +48,47 @@ TEST_F(CheckedTableTest, UnknownKeyNamesTheNearestRightOne) {
 TEST_F(CheckedTableTest, AMissingKeyNamesTheOneThatMayHaveBeenMeant) {
   const auto table = parse("diameter_mm = 3.0\n");
   EXPECT_THAT(
-      error_of([&] { table.number("diameter_m", positive); }),
+      testing::input_error([&] { table.number("diameter_m", positive); }),
       AllOf(HasSubstr("'diameter_m'"), HasSubstr("is missing"), HasSubstr("has 'diameter_mm' instead")));
-  EXPECT_THAT(error_of([&] { table.number("density_kg_m3"); }), Not(HasSubstr("instead")));
+  EXPECT_THAT(testing::input_error([&] { table.number("density_kg_m3"); }), Not(HasSubstr("instead")));
 }
 
 TEST_F(CheckedTableTest, OutOfRangeNamesValueAndRange) {
   const auto table = parse("[grains]\nd = -1.0\n");
-  EXPECT_THAT(error_of([&] { table.table("grains").number("d", positive); }),
+  EXPECT_THAT(testing::input_error([&] { table.table("grains").number("d", positive); }),
               AllOf(HasSubstr(":2"), HasSubstr("'grains.d' = -1"), HasSubstr("greater than 0")));
 }
 
 TEST_F(CheckedTableTest, NotFiniteIsOutOfEveryRange) {
   const auto table = parse("a = nan\nb = inf\n");
-  EXPECT_THAT(error_of([&] { table.number("a"); }), HasSubstr("any finite number"));
-  EXPECT_THAT(error_of([&] { table.number("b"); }), HasSubstr("any finite number"));
+  EXPECT_THAT(testing::input_error([&] { table.number("a"); }), HasSubstr("any finite number"));
+  EXPECT_THAT(testing::input_error([&] { table.number("b"); }), HasSubstr("any finite number"));
 }
 
 TEST_F(CheckedTableTest, WrongTypesAreErrors) {
   const auto table = parse("a = '3 mm'\nb = 1.5\nc = [1, 1]\nd = true\n");
-  EXPECT_THAT(error_of([&] { table.number("a"); }),
+  EXPECT_THAT(testing::input_error([&] { table.number("a"); }),
               AllOf(HasSubstr("'3 mm'"), HasSubstr("must be a number")));
-  EXPECT_THAT(error_of([&] { table.integer("b", 0, 9); }), HasSubstr("whole number between 0 and 9"));
-  EXPECT_THAT(error_of([&] { table.integers("c", 0, 9); }), HasSubstr("must not repeat"));
-  EXPECT_THAT(error_of([&] { table.number("d"); }), HasSubstr("must be a number"));
-  EXPECT_THAT(error_of([&] { table.table("a"); }), HasSubstr("must be a table"));
+  EXPECT_THAT(testing::input_error([&] { table.integer("b", 0, 9); }),
+              HasSubstr("whole number between 0 and 9"));
+  EXPECT_THAT(testing::input_error([&] { table.integers("c", 0, 9); }), HasSubstr("must not repeat"));
+  EXPECT_THAT(testing::input_error([&] { table.number("d"); }), HasSubstr("must be a number"));
+  EXPECT_THAT(testing::input_error([&] { table.table("a"); }), HasSubstr("must be a table"));
 }
 
 TEST_F(CheckedTableTest, MissingKeysAndTablesAreErrors) {
   const auto table = parse("schema = 2\n");
-  EXPECT_THAT(error_of([&] { table.number("h"); }), AllOf(HasSubstr("'h'"), HasSubstr("is missing")));
-  EXPECT_THAT(error_of([&] { table.table("grains"); }), HasSubstr("needs a table [grains]"));
-  EXPECT_THAT(error_of([&] { table.tables("box"); }), HasSubstr("at least one [[box]]"));
-  EXPECT_THAT(error_of([&] { table.require_schema(1); }), HasSubstr("reads schema 1"));
+  EXPECT_THAT(testing::input_error([&] { table.number("h"); }),
+              AllOf(HasSubstr("'h'"), HasSubstr("is missing")));
+  EXPECT_THAT(testing::input_error([&] { table.table("grains"); }), HasSubstr("needs a table [grains]"));
+  EXPECT_THAT(testing::input_error([&] { table.tables("box"); }), HasSubstr("at least one [[box]]"));
+  EXPECT_THAT(testing::input_error([&] { table.require_schema(1); }), HasSubstr("reads schema 1"));
 }
 
 TEST_F(CheckedTableTest, HalfAFileAndNoFileAreErrors) {
-  EXPECT_THAT(error_of([&] { parse("a = 1\n[geome"); }),
+  EXPECT_THAT(testing::input_error([&] { parse("a = 1\n[geome"); }),
               AllOf(HasSubstr("checked_table.toml:2"), HasSubstr("not valid TOML")));
-  EXPECT_THAT(error_of([] { CheckedTable::parse_file("/nowhere/x.toml"); }),
+  EXPECT_THAT(testing::input_error([] { CheckedTable::parse_file("/nowhere/x.toml"); }),
               AllOf(HasSubstr("/nowhere/x.toml"), HasSubstr("no such file")));
 }
 

@@ -5,37 +5,24 @@
 
 #include <fstream>
 
-#include "continuum/scene/checked_table.h"
-#include "tests/program.h"
+#include "continuum/io/atomic_file.h"
+#include "tests/test_folder.h"
 
 namespace talus::validation {
 namespace {
 
 using ::testing::HasSubstr;
 
-std::string tiny_suite_with(const std::string& from, const std::string& to) {
-  std::string text =
-      read_file(std::filesystem::path(TALUS_SOURCE_DIR) / "tests/validation/data/tiny_suite.toml");
-  for (const std::string relative : {"../../../dem_cases", "../../dem_cases"}) {
-    const auto at = text.find(relative);
-    const std::string base = relative.size() > 16 ? "/dem_cases" : "/tests/dem_cases";
-    text.replace(at, relative.size(), TALUS_SOURCE_DIR + base);
-  }
-  const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  text.replace(at, from.size(), to);
-  const auto file = testing::fresh_folder("suite") / "suite.toml";
-  std::ofstream(file) << text;
+/// The tiny suite with one thing changed and its paths made absolute, in `folder`; returns its path.
+std::string tiny_suite_with(const testing::TestFolder& folder, const std::string& from,
+                            const std::string& to) {
+  const std::filesystem::path source = TALUS_SOURCE_DIR;
+  std::string text = read_file(source / "tests/validation/data/tiny_suite.toml");
+  text = testing::replaced(text, "../../../dem_cases", (source / "dem_cases").string());
+  text = testing::replaced(text, "../../dem_cases", (source / "tests/dem_cases").string());
+  const auto file = folder.path() / "suite.toml";
+  std::ofstream(file) << testing::replaced(text, from, to);
   return file.string();
-}
-
-std::string error_of(const std::string& suite) {
-  try {
-    read_suite(suite);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(Suite, SmokeRunsAllThreeCodesWithTwoSeedsEach) {
@@ -48,18 +35,19 @@ TEST(Suite, SmokeRunsAllThreeCodesWithTwoSeedsEach) {
 }
 
 TEST(Suite, RefusesWhatCannotBeMeant) {
-  EXPECT_EQ(error_of(tiny_suite_with("seeds = [1, 2]", "seeds = [1, 3]")), "no error");
-  EXPECT_THAT(error_of("smok"), HasSubstr("did you mean 'smoke'"));
-  EXPECT_THAT(error_of("/nowhere/suite.toml"), HasSubstr("no such file"));
-  EXPECT_THAT(error_of(tiny_suite_with("\"yade\"]", "\"yad\"]")),
-              HasSubstr("must hold only: continuum, liggghts, yade"));
-  EXPECT_THAT(error_of(tiny_suite_with("\"yade\"]", "\"liggghts\"]")), HasSubstr("must not repeat"));
-  EXPECT_THAT(error_of(tiny_suite_with("seeds = [1, 2]", "seeds = [1, 1]")), HasSubstr("must not repeat"));
-  EXPECT_THAT(error_of(tiny_suite_with("yade = 5.0", "")), HasSubstr("expected_cpu_s.yade"));
-  EXPECT_THAT(error_of(tiny_suite_with("time_limit_s", "time_limit_min")),
-              HasSubstr("'case[0].time_limit_s': is missing"));
-  EXPECT_THAT(error_of(tiny_suite_with("tiny_column.toml", "absent.toml")),
-              HasSubstr("absent.toml: no such file"));
+  const testing::TestFolder folder;
+  const auto error = [&](const std::string& from, const std::string& to) {
+    return testing::input_error([&] { read_suite(tiny_suite_with(folder, from, to)); });
+  };
+  EXPECT_NO_THROW(read_suite(tiny_suite_with(folder, "seeds = [1, 2]", "seeds = [1, 3]")));
+  EXPECT_THAT(testing::input_error([] { read_suite("smok"); }), HasSubstr("did you mean 'smoke'"));
+  EXPECT_THAT(testing::input_error([] { read_suite("/nowhere/suite.toml"); }), HasSubstr("no such file"));
+  EXPECT_THAT(error("\"yade\"]", "\"yad\"]"), HasSubstr("must hold only: continuum, liggghts, yade"));
+  EXPECT_THAT(error("\"yade\"]", "\"liggghts\"]"), HasSubstr("must not repeat"));
+  EXPECT_THAT(error("seeds = [1, 2]", "seeds = [1, 1]"), HasSubstr("must not repeat"));
+  EXPECT_THAT(error("yade = 5.0", ""), HasSubstr("expected_cpu_s.yade"));
+  EXPECT_THAT(error("time_limit_s", "time_limit_min"), HasSubstr("'case[0].time_limit_s': is missing"));
+  EXPECT_THAT(error("tiny_column.toml", "absent.toml"), HasSubstr("absent.toml: no such file"));
 }
 
 }  // namespace
