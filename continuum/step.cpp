@@ -50,6 +50,15 @@ double velocity_scale(const State& state, double dt) {
   return g > 0.0 ? g * dt : 1e-3 * state.grid.spacing / dt;
 }
 
+/// Nothing is left to move.
+StepReport empty_step(State& state, StepReport report, double dt) {
+  report.dt = dt;
+  report.packing.solve.converged = true;
+  state.time += dt;
+  state.warm.reset();
+  return report;
+}
+
 Stress initial_stress(State& state, const ActiveRegion& region, double dt) {
   if (!state.warm) return zero_stress(region);
   return carry_over(state.warm->region, state.warm->stress, region, dt / state.warm->dt);
@@ -59,11 +68,7 @@ Stress initial_stress(State& state, const ActiveRegion& region, double dt) {
 
 StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   StepReport report;
-  if (state.particles.count() == 0) {
-    report.dt = dt_limit;
-    state.time += dt_limit;
-    return report;
-  }
+  if (state.particles.count() == 0) return empty_step(state, report, dt_limit);
   const double dt = report.dt = time_step(state, settings, dt_limit);
 
   // 1, 2. Correct the density, then accumulate mass and velocity onto the grid.
@@ -73,6 +78,7 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   if (report.packing.largest_displacement > 0.0) {
     wrap_positions(state.grid, state.particles.positions);
     count_departed(state, report);
+    if (state.particles.count() == 0) return empty_step(state, report, dt);
     region = region_of(state);
   }
   const GridState before = deposit(region, state.particles, state.materials);

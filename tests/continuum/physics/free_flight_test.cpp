@@ -32,5 +32,21 @@ TEST(FreeFlight, IsAParabolaWithoutPressure) {
       1e-12);
 }
 
+TEST(FreeFlight, OutOfTheDomainIsCountedAndAnEmptyDomainStillSteps) {
+  State state = initial_state(testing::box_scene({6, 6, 6}, {2.0, 2.0, 2.0}, 0.01, 0.5));
+  const double mass = state.particles.masses.sum();
+  const Eigen::Index count = state.particles.count();
+  double mass_left = 0.0;
+  Eigen::Index particles_left = 0;
+  testing::run_for(state, StepSettings{}, 0.3, [&](const State&, const StepReport& report) {
+    mass_left += report.mass_left;
+    particles_left += report.particles_left;
+  });
+  EXPECT_EQ(state.particles.count(), 0);
+  EXPECT_EQ(particles_left, count);
+  EXPECT_NEAR(mass_left, mass, 1e-12 * mass);
+  EXPECT_NEAR(state.time, 0.3, 1e-12);
+}
+
 }  // namespace
 }  // namespace talus
