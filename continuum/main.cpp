@@ -43,6 +43,10 @@ void run(const std::filesystem::path& scene_file, const std::filesystem::path& o
   made_by["command_line"] = command_line;
   made_by["input_hash"] = scene.input_hash;
 
+  // Results of an earlier run there must not stand for this one's, should it not finish.
+  for (const char* old : {"snapshots.h5", "snapshots.xdmf", "run.json"})
+    std::filesystem::remove(output / old);
+
   State state = initial_state(scene);
   Budget budget(state);
   analysis::SnapshotWriter snapshots(output / "snapshots.h5", made_by.dump());

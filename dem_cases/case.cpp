@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <string_view>
 
@@ -23,7 +24,7 @@ constexpr std::array<std::string_view, 6> observables{"runout",         "x90",  
 void require_multiple(const CheckedTable& table, std::string_view key, double whole,
                       std::string_view part_key, double part) {
   const double count = whole / part;
-  if (count < 0.5 || std::abs(count - std::round(count)) > 1e-6 * count) {
+  if (!(count >= 0.5 && std::abs(count - std::round(count)) <= 1e-6 * count)) {
     throw table.error(
         key, fmt::format("must be a whole multiple of {} = {}; nearest are {:.9g} and {:.9g}", part_key, part,
                          std::max(1.0, std::floor(count)) * part, (std::floor(count) + 1.0) * part));
@@ -79,6 +80,10 @@ Contact read_contact(const CheckedTable& table) {
       .wall_friction = table.number("wall_friction", {0.0, 2.0}),
   };
   table.finish();
+  // Codes differ in which of two materials' friction they take at a contact; they agree where the wall is the smoother.
+  if (contact.wall_friction > contact.friction) {
+    throw table.error("wall_friction", fmt::format("must be at most friction = {}", contact.friction));
+  }
   return contact;
 }
 
@@ -98,6 +103,25 @@ Protocol read_protocol(const CheckedTable& table) {
                    protocol.time_step);
   require_multiple(table, "run_time_s", protocol.run_time, "snapshot_interval_s", protocol.snapshot_interval);
   return protocol;
+}
+
+/// What one machine can hold and run; far more than any case so far.
+void check_size(const Case& column, const CheckedTable& grains, const CheckedTable& protocol) {
+  constexpr double most_grains = 1e7, most_steps = 1e10, most_snapshots = 1e5;
+  const Geometry& g = column.geometry;
+  const double grain_volume = std::numbers::pi / 6.0 * std::pow(column.grains.diameter, 3);
+  const double count =
+      column.protocol.volume_fraction * g.column_length * g.column_height * g.thickness / grain_volume;
+  if (!(count <= most_grains))
+    throw grains.error("diameter_m", fmt::format("gives {:.3g} grains; at most {:.0g}", count, most_grains));
+  const double steps = (column.protocol.settle_time + column.protocol.run_time) / column.protocol.time_step;
+  if (!(steps <= most_steps))
+    throw protocol.error("time_step_s", fmt::format("gives {:.3g} steps; at most {:.0g}", steps, most_steps));
+  const double snapshots = column.protocol.run_time / column.protocol.snapshot_interval;
+  if (!(snapshots <= most_snapshots)) {
+    throw protocol.error("snapshot_interval_s",
+                         fmt::format("gives {:.3g} snapshots; at most {:.0g}", snapshots, most_snapshots));
+  }
 }
 
 std::vector<ObservableBand> read_observables(const CheckedTable& root) {
@@ -130,15 +154,20 @@ Case read_case(const std::filesystem::path& file) {
   const auto root = CheckedTable::parse_file(file);
   root.require_schema(1);
   Case column;
+  constexpr std::array<std::string_view, 1> kinds{
+      "column_collapse"};  // what is released, and what is measured of it
+  root.choice("kind", kinds);
   column.name = read_name(root, "name");
   column.title = root.string("title");
   column.calibration = read_name(root, "material");
   for (const auto seed : root.integers("seeds", 0, 1'000'000'000))
     column.seeds.push_back(static_cast<std::uint64_t>(seed));
-  column.grains = read_grains(root.table("grains"));
+  const auto grains = root.table("grains"), protocol = root.table("protocol");
+  column.grains = read_grains(grains);
   column.geometry = read_geometry(root.table("geometry"), column.grains);
   column.contact = read_contact(root.table("contact"));
-  column.protocol = read_protocol(root.table("protocol"));
+  column.protocol = read_protocol(protocol);
+  check_size(column, grains, protocol);
   const auto ruler = root.table("ruler");
   const double d = column.grains.diameter;
   column.profile_bin = ruler.number("profile_bin_m", {0.25 * d, column.geometry.column_length});

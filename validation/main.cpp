@@ -35,16 +35,15 @@ struct Arguments {
   std::string command_line;
 };
 
-void write_report_of(const Suite& suite, const std::vector<Job>& jobs, const nlohmann::json& results,
-                     const std::filesystem::path& output) {
-  write_report(results, make_pictures(suite, jobs), output / report_name);
+void write_report_of(const nlohmann::json& results, const std::filesystem::path& output) {
+  write_report(results, make_pictures(results, output), output / report_name);
   spdlog::info("report: {}", (output / report_name).string());
 }
 
 int run(const Arguments& arguments) {
   const Suite suite = read_suite(arguments.suite);
   const auto jobs = plan_jobs(suite, arguments.output);
-  make_writable_folder(arguments.output);
+  make_writable_folder(arguments.output / "runs");
   // Old results must not stand while new runs replace what they were made from.
   std::filesystem::remove(arguments.output / results_name);
   std::filesystem::remove(arguments.output / report_name);
@@ -55,20 +54,19 @@ int run(const Arguments& arguments) {
   run_jobs(suite, jobs, workers, [] { return interrupted.load(); });
   const auto results = assemble_results(suite, jobs, arguments.command_line);
   write_file_atomically(arguments.output / results_name, results.dump(1) + "\n");
-  write_report_of(suite, jobs, results, arguments.output);
+  write_report_of(results, arguments.output);
   fmt::print("{}", summary_text(results));
   return exit_pass;
 }
 
 int report(const Arguments& arguments) {
-  const auto results = read_results(arguments.output);
-  const Suite suite = read_suite(arguments.suite);
-  write_report_of(suite, plan_jobs(suite, arguments.output), results, arguments.output);
+  write_report_of(read_results(arguments.output), arguments.output);
   return exit_pass;
 }
 
 int check(const Arguments& arguments) {
-  const auto results = read_results(arguments.output);
+  auto results = read_results(arguments.output);
+  judge(results);
   fmt::print("{}", summary_text(results));
   const auto verdict = results.at("verdict").get<std::string>();
   return verdict == "PASS" ? exit_pass : verdict == "FAIL" ? exit_failed : exit_inconclusive;
@@ -104,7 +102,6 @@ int main(int argc, char** argv) {
   run_command->add_option("-j,--jobs", arguments.workers, "runs at a time, one core each; default: all cores")
       ->check(CLI::Range(1, 1024));
   auto* report_command = app.add_subcommand("report", "Write report.html again from the stored runs");
-  add_suite(report_command);
   add_output(report_command);
   auto* check_command =
       app.add_subcommand("check", "Judge stored results: truth gate against the discrete codes");
@@ -117,6 +114,7 @@ int main(int argc, char** argv) {
   }
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
+  std::signal(SIGHUP, interrupt);
   try {
     if (*run_command) return run(arguments);
     if (*report_command) return report(arguments);
@@ -124,6 +122,10 @@ int main(int argc, char** argv) {
     if (*list_command) return list();
   } catch (const InputError& error) {
     fmt::print(stderr, "talus-validate: {}\n", error.what());
+    return exit_input;
+  } catch (const nlohmann::json::exception& error) {
+    fmt::print(stderr, "talus-validate: {}: not as this program writes it: {}\n",
+               (arguments.output / results_name).string(), error.what());
     return exit_input;
   } catch (const std::exception& error) {
     fmt::print(stderr, "talus-validate: {}\n", error.what());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <numbers>
+#include <set>
 
 #include "continuum/io/atomic_file.h"
 #include "continuum/io/provenance.h"
@@ -51,11 +52,11 @@ json parameters_of(const dem::Case& c, const ContinuumResolution& resolution) {
   };
 }
 
-json calibration_of(const Suite& suite, const dem::Case& column) {
-  const auto material = dem::read_calibration(suite.calibration, column.calibration);
-  return {{"name", column.calibration},
+json calibration_of(const Suite& suite, const SuiteCase& entry) {
+  const dem::MaterialConstants& material = entry.material;
+  return {{"name", entry.column.calibration},
           {"file", suite.calibration.filename().string()},
-          {"input_hash", sha256(read_file(suite.calibration))},
+          {"input_hash", suite.calibration_hash},
           {"friction_angle_deg", material.friction_angle * 180.0 / std::numbers::pi},
           {"max_volume_fraction", material.max_volume_fraction},
           {"status", material.status},
@@ -78,31 +79,45 @@ json assemble_results(const Suite& suite, const std::vector<Job>& jobs, const st
   json results{{"schema", "talus-results"}, {"schema_version", schema_version}, {"suite", suite.name},
                {"title", suite.title},      {"provenance", provenance()},       {"cases", json::array()}};
   results["provenance"]["command_line"] = command_line;
-  results["provenance"]["suite_hash"] = sha256(read_file(suite.file));
+  results["provenance"]["suite_hash"] = suite.input_hash;
   for (const auto& job : jobs) results["provenance"]["programs"][job.backend_name] = job.backend.version;
-  Verdict verdict = Verdict::pass;
   for (std::size_t c = 0; c < suite.cases.size(); ++c) {
     const dem::Case& column = suite.cases[c].column;
-    json runs = json::array();
+    json runs = json::array(), bands = json::array();
     for (const auto& job : jobs) {
       if (job.case_index == c) runs.push_back(read_record(job.folder));
     }
-    const TruthJudgement judgement = judge_truth(column.observables, runs);
-    verdict = worse(verdict, judgement.verdict);
+    for (const auto& band : column.observables) {
+      bands.push_back({{"observable", band.name}, {"relative_band", band.relative_band}, {"why", band.why}});
+    }
     results["cases"].push_back({{"name", column.name},
                                 {"title", column.title},
                                 {"file", column.file.filename().string()},
                                 {"input_hash", column.input_hash},
                                 {"parameters", parameters_of(column, suite.resolution)},
-                                {"calibration", calibration_of(suite, column)},
+                                {"calibration", calibration_of(suite, suite.cases[c])},
                                 {"column_length_m", column.geometry.column_length},
-                                {"runs", runs},
-                                {"summary", judgement.summary},
-                                {"verdict", verdict_text(judgement.verdict)}});
+                                {"bands", bands},
+                                {"runs", runs}});
   }
-  results["verdict"] = verdict_text(verdict);
+  judge(results);
   results["complete"] = true;
   return results;
+}
+
+void judge(json& results) {
+  // Nothing to judge is no pass.
+  Verdict verdict = results.at("cases").empty() ? Verdict::inconclusive : Verdict::pass;
+  for (auto& one : results.at("cases")) {
+    std::vector<dem::ObservableBand> bands;
+    for (const auto& band : one.at("bands"))
+      bands.push_back({band.at("observable"), band.at("relative_band"), band.at("why")});
+    const TruthJudgement judgement = judge_truth(bands, one.at("runs"));
+    one["summary"] = judgement.summary;
+    one["verdict"] = verdict_text(judgement.verdict);
+    verdict = worse(verdict, judgement.verdict);
+  }
+  results["verdict"] = verdict_text(verdict);
 }
 
 json read_results(const std::filesystem::path& folder) {
@@ -123,11 +138,18 @@ json read_results(const std::filesystem::path& folder) {
   return results;
 }
 
-json make_pictures(const Suite& suite, const std::vector<Job>& jobs) {
+json make_pictures(const json& results, const std::filesystem::path& output) {
   json pictures = json::array();
-  for (const auto& job : jobs) {
-    const SuiteCase& entry = suite.cases[job.case_index];
-    if (job.seed == entry.seeds.front()) pictures.push_back(picture_of_run(entry.column, job));
+  for (const auto& one : results.at("cases")) {
+    const int layers = one.at("parameters").at("continuum").at("particles_per_cell_axis");
+    std::set<std::string> drawn;  // the first seed of each backend
+    for (const auto& run : one.at("runs")) {
+      if (!drawn.insert(run.at("backend")).second) continue;
+      json picture =
+          picture_of_run(run, run_folder(output, one.at("name"), run.at("backend"), run.at("seed")), layers);
+      picture["case"] = one.at("name");
+      pictures.push_back(std::move(picture));
+    }
   }
   return pictures;
 }

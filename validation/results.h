@@ -15,8 +15,11 @@ nlohmann::json assemble_results(const Suite& suite, const std::vector<Job>& jobs
 /// Reads results.json back and checks that it is one of ours and complete. Throws InputError.
 nlohmann::json read_results(const std::filesystem::path& folder);
 
-/// Pictures of the deposits, for the report.
-nlohmann::json make_pictures(const Suite& suite, const std::vector<Job>& jobs);
+/// Judges results by their own runs and bands, in place: the summary and verdict of each case, and of all.
+void judge(nlohmann::json& results);
+
+/// Pictures of the deposits, for the report, from the runs stored in `output`. Throws SnapshotError.
+nlohmann::json make_pictures(const nlohmann::json& results, const std::filesystem::path& output);
 
 /// A short table for the terminal: observables by code, deviation, band, verdict.
 std::string summary_text(const nlohmann::json& results);

@@ -24,7 +24,7 @@ struct Board {
   std::mutex mutex;
   std::condition_variable changed;
   std::vector<Phase> phases;
-  std::vector<std::string> failures;
+  int failures = 0;
   std::size_t next = 0;  // in the order of the queue
   int busy = 0;
 };
@@ -50,12 +50,11 @@ std::vector<Job> plan_jobs(const Suite& suite, const std::filesystem::path& outp
   std::vector<Job> jobs;
   for (std::size_t c = 0; c < suite.cases.size(); ++c) {
     const SuiteCase& entry = suite.cases[c];
-    const auto material = dem::read_calibration(suite.calibration, entry.column.calibration);
     for (const auto& backend : entry.backends) {
       for (const auto seed : entry.seeds) {
-        const RunRequest request{entry.column, material, suite.resolution, seed};
+        const RunRequest request{entry.column, entry.material, suite.resolution, seed};
         jobs.push_back({c, backend, seed, entry.time_limit, entry.expected_cpu.at(backend),
-                        output / "runs" / entry.column.name / fmt::format("{}_seed{}", backend, seed),
+                        run_folder(output, entry.column.name, backend, seed),
                         make_backend(backend, request)});
       }
     }
@@ -91,7 +90,7 @@ void run_jobs(const Suite& suite, const std::vector<Job>& jobs, int workers,
         spdlog::info("{} finished", jobs[i].label());
       } else {
         spdlog::error("{}", failure);
-        board.failures.push_back(failure);
+        ++board.failures;
       }
     }
     --board.busy;
@@ -106,7 +105,10 @@ void run_jobs(const Suite& suite, const std::vector<Job>& jobs, int workers,
     }
   }
   if (stop()) throw RunError("interrupted; finished runs are kept, no results were written");
-  if (!board.failures.empty()) throw RunError(fmt::format("{}", fmt::join(board.failures, "\n")));
+  if (board.failures > 0) {
+    throw RunError(fmt::format("{} of {} runs failed, as told above; no results were written", board.failures,
+                               jobs.size()));
+  }
 }
 
 }  // namespace talus::validation

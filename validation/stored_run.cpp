@@ -56,6 +56,23 @@ json to_json(const analysis::CollapseMeasurement& m) {
           {"final_profile", {{"x", m.final_profile.x}, {"depth", m.final_profile.depth}}}};
 }
 
+/// A deposit that the far wall has shaped, or that lost something on the way, is not the case's. Throws InputError.
+void check_inside_tank(const analysis::SnapshotSeries& series, const dem::Case& column) {
+  const double released = series.front().volumes.sum();
+  for (const auto& snapshot : series) {
+    const double lost = 1.0 - snapshot.volumes.sum() / released;
+    if (std::abs(lost) > 1e-9) {
+      throw InputError(fmt::format("{:.3g} of the volume was gone at t = {:.4g} s: something left the tank",
+                                   lost, snapshot.time));
+    }
+    if (snapshot.positions.row(0).maxCoeff() > column.geometry.tank_length - column.grains.diameter) {
+      throw InputError(
+          fmt::format("at t = {:.4g} s something reached the far wall: raise tank_length_m in {}",
+                      snapshot.time, column.file.string()));
+    }
+  }
+}
+
 std::string why_it_failed(const Job& job, const dem::ProcessResult& result,
                           const std::filesystem::path& folder) {
   if (result.interrupted) return "interrupted";
@@ -71,6 +88,11 @@ std::string Job::label() const { return fmt::format("{} seed {}", backend_name, 
 
 std::filesystem::path Job::partial_folder() const { return folder.string() + ".partial"; }
 
+std::filesystem::path run_folder(const std::filesystem::path& output, const std::string& case_name,
+                                 const std::string& backend, std::uint64_t seed) {
+  return output / "runs" / case_name / fmt::format("{}_seed{}", backend, seed);
+}
+
 analysis::CollapseRuler ruler_of(const dem::Case& column, double thickness) {
   return {column.geometry.column_length, thickness, column.profile_bin, column.front_depth};
 }
@@ -78,13 +100,14 @@ analysis::CollapseRuler ruler_of(const dem::Case& column, double thickness) {
 void run_job(const dem::Case& column, const Job& job, const std::function<bool()>& stop) {
   const auto folder = job.partial_folder();
   std::filesystem::remove_all(folder);
-  std::filesystem::remove_all(job.folder);
   make_writable_folder(folder);
   job.backend.write_input(folder);
   const std::string input_hash = hash_of_input(folder);
 
   dem::ProcessRequest request;
-  request.command = job.backend.command;
+  // Should this program be killed, the run goes with it.
+  request.command = {"/usr/bin/setpriv", "--pdeathsig", "KILL"};
+  request.command.insert(request.command.end(), job.backend.command.begin(), job.backend.command.end());
   request.folder = folder;
   request.log = job.backend.log_file;
   request.environment = {{"OMP_NUM_THREADS", "1"}};
@@ -97,6 +120,7 @@ void run_job(const dem::Case& column, const Job& job, const std::function<bool()
   }
   try {
     const auto series = job.backend.read_output(folder);
+    check_inside_tank(series, column);
     json record = to_json(analysis::measure_column_collapse(series, ruler_of(column, job.backend.thickness)));
     record["backend"] = job.backend_name;
     record["seed"] = job.seed;
@@ -106,6 +130,7 @@ void run_job(const dem::Case& column, const Job& job, const std::function<bool()
     record["command"] = job.backend.command;
     record["wall_s"] = result.wall_seconds;
     record["cpu_s"] = result.cpu_seconds;
+    record["thickness_m"] = job.backend.thickness;
     record["count"] = series.back().volumes.size();
     record["preflight"] = job.backend.preflight;
     record["solver"] = job.backend.solver_summary(folder);
@@ -122,6 +147,7 @@ void run_job(const dem::Case& column, const Job& job, const std::function<bool()
   } catch (const std::exception& error) {
     throw RunError(fmt::format("{}: {} (see {})", job.label(), error.what(), folder.string()));
   }
+  std::filesystem::remove_all(job.folder);
   std::filesystem::rename(folder, job.folder);
 }
 
@@ -134,32 +160,35 @@ json read_record(const std::filesystem::path& folder) {
   }
 }
 
-json picture_of_run(const dem::Case& column, const Job& job) {
-  const auto series = analysis::read_snapshots(job.folder / snapshot_name);
+json picture_of_run(const json& record, const std::filesystem::path& folder, int layers) {
+  const auto series = analysis::read_snapshots(folder / snapshot_name);
+  const auto& first = series.front();
   const auto& last = series.back();
-  // A particle is drawn as the disc of its bulk area in the plane; a grain as itself.
-  const bool continuum = job.backend_name == "continuum";
-  const double phi = continuum ? measure_column_collapse(series, ruler_of(column, job.backend.thickness))
-                                     .observables.settled_volume_fraction
-                               : 1.0;
-  json picture{{"case", column.name}, {"backend", job.backend_name}, {"seed", job.seed}, {"time", last.time}};
-  std::vector<double> x, z, radius, x0;
-  const bool same_items = series.front().volumes.size() == last.volumes.size();
+  const double thickness = record.at("thickness_m"),
+               phi = record.at("observables").at("settled_volume_fraction");
+  // A grain is drawn as itself; a particle as the disc that shares the bulk area seen from the side with the other
+  // `layers` - 1 particles behind it.
+  const bool continuum = record.at("backend") == "continuum";
+  const auto radius_of = [&](double volume) {
+    return continuum ? std::sqrt(layers * volume / (phi * thickness * std::numbers::pi))
+                     : std::cbrt(0.75 * volume / std::numbers::pi);
+  };
   const auto micrometres = [](double metres) { return std::round(metres * 1e6) * 1e-6; };
+  const bool same_items = first.volumes.size() == last.volumes.size();
+  std::vector<double> x, z, radius, x0;
   for (Eigen::Index i = 0; i < last.volumes.size(); ++i) {
     x.push_back(micrometres(last.positions(0, i)));
     z.push_back(micrometres(last.positions(2, i)));
-    x0.push_back(micrometres(same_items ? series.front().positions(0, i) : last.positions(0, i)));
-    const double volume = last.volumes[i];
-    radius.push_back(
-        micrometres(continuum ? std::sqrt(2.0 * volume / phi / (job.backend.thickness * std::numbers::pi))
-                              : std::cbrt(0.75 * volume / std::numbers::pi)));
+    x0.push_back(micrometres((same_items ? first : last).positions(0, i)));
+    radius.push_back(micrometres(radius_of(last.volumes[i])));
   }
-  picture["x"] = x;
-  picture["z"] = z;
-  picture["radius"] = radius;
-  picture["x0"] = x0;
-  return picture;
+  return {{"backend", record.at("backend")},
+          {"seed", record.at("seed")},
+          {"time", last.time},
+          {"x", x},
+          {"z", z},
+          {"radius", radius},
+          {"x0", x0}};
 }
 
 }  // namespace talus::validation

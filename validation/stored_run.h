@@ -42,8 +42,13 @@ void run_job(const dem::Case& column, const Job& job, const std::function<bool()
 /// run.
 nlohmann::json read_record(const std::filesystem::path& folder);
 
-/// The last snapshot, ready for the report: {case, backend, seed, time, x, z, radius, x0}.
-nlohmann::json picture_of_run(const dem::Case& column, const Job& job);
+/// The last snapshot of a finished run, ready for the report: {backend, seed, time, x, z, radius, x0}. `record`: as
+/// read_record gives it; `layers`: the continuum's particles across its thickness. Throws SnapshotError.
+nlohmann::json picture_of_run(const nlohmann::json& record, const std::filesystem::path& folder, int layers);
+
+/// Where a finished run of a suite lies.
+std::filesystem::path run_folder(const std::filesystem::path& output, const std::string& case_name,
+                                 const std::string& backend, std::uint64_t seed);
 
 analysis::CollapseRuler ruler_of(const dem::Case& column, double thickness);
 

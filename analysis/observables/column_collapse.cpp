@@ -13,6 +13,7 @@ namespace {
 
 constexpr double release_tolerance = 1e-6;  // s; the first snapshot is the release itself
 constexpr double rest_window = 0.1;         // of the whole time, at its end
+constexpr double rest_motion = 2e-3;        // of L0, within that window
 constexpr double stop_fraction = 0.01;      // of the total displacement of the centre of mass
 constexpr double most_bins = 1e6;           // an item farther away than this has escaped
 
@@ -75,9 +76,15 @@ bool is_at_rest(const CollapseCurves& curves, const CollapseRuler& ruler) {
   // The window is covered whole: from the last snapshot that is not after its start.
   while (first > 0 && time[first] > window_start) --first;
   if (first + 1 == time.size()) return false;
-  const auto from = curves.front.begin() + static_cast<std::ptrdiff_t>(first);
-  const auto [least, most] = std::minmax_element(from, curves.front.end());
-  return *most - *least < ruler.bin_width;
+  const auto range = [&](const std::vector<double>& curve) {
+    const auto [least, most] =
+        std::minmax_element(curve.begin() + static_cast<std::ptrdiff_t>(first), curve.end());
+    return *most - *least;
+  };
+  // The front is read to within a bin; what flows unseen behind it moves the centre of mass and x95.
+  const double least_motion = rest_motion * ruler.column_length;
+  return range(curves.front) < ruler.bin_width && range(curves.centre_of_mass) < least_motion &&
+         range(curves.x95) < least_motion;
 }
 
 void check_ruler(const CollapseRuler& ruler) {

@@ -1,18 +1,15 @@
-// What is measured of a column collapse, identically for every code.
+// What is measured of a column collapse, identically for every code. x is measured from the back wall, z from the floor;
+// all sums are over items, whatever their number or order.
 //
-//   depth(x)  = V(x) / (dx W phi_0)          equivalent depth: the solid volume above dx, at the packing
-//   phi_0 phi_0     = V / (L0 W H0),  H0 = 2 z_cm  the volume fraction of the settled column, at release
-//   front     = largest x of the heap, the part joined to the back wall, with depth >= front_depth; between
-//   bin
-//               centres the depth is taken as linear. A sloping front is exact where front_depth is more than
-//               its rise over two bins; a vertical step is smeared over three bins and reads up to 1.5 bins
-//               far.
-//   x_q       : the fraction q of the solid volume lies behind x_q (quantiles; not noisy, so reported beside
-//   the front) stop time : the first time after which the centre of mass stays within 1 % of its total
-//   displacement of its end
-//               (linear between snapshots)
-// x is measured from the back wall, z from the floor. All sums are over items, whatever their number or
-// order.
+//   depth(x)  = V(x) / (dx W phi_0)                 solid volume above dx, at the packing phi_0
+//   phi_0     = V / (L0 W H0),  H0 = 2 z_cm         volume fraction of the settled column, at release
+//   front     = largest x with depth >= front_depth of the heap, the part joined to the back wall
+//   x_q       : the fraction q of the solid volume lies behind x_q (quantiles; not noisy, so reported beside the front)
+//   stop time : the first time after which the centre of mass stays within 1 % of its total displacement of its end,
+//               linear between snapshots
+//
+// Between bin centres the depth is taken as linear for the front: exact for a slope where front_depth is more than its rise
+// over two bins; a vertical step is smeared over three bins and reads up to 1.5 bins too far.
 #pragma once
 
 #include <string>
@@ -53,7 +50,9 @@ struct CollapseObservables {
   double settled_height;           // H0 over L0, at release
   double settled_volume_fraction;  // phi_0
   double lost_volume;              // fraction of the released solid volume that is gone at the end
-  bool at_rest;                    // the front moved less than one bin over the last 10 % of the time
+  bool
+      at_rest;  // over the last 10 % of the time the front moved less than a bin, centre of mass and x95 less than
+                // 0.002 L0
 };
 
 struct CollapseMeasurement {

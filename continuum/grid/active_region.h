@@ -1,21 +1,17 @@
-// The part of the grid that holds particles, numbered compactly, with the tables that make the operators
-// gathers.
+// The part of the grid that holds particles, numbered compactly, with the tables that make the operators gathers.
 //
-// A cell is active when a particle lies in it; a cell that is not active is the free surface (p = 0, no other
-// condition). Every table ends in a null entry (index = count) whose field value is always 0, so that a
-// missing neighbour (free surface, wall) needs no branch: fields have one more entry than there are things.
+// A cell is active when a particle lies in it; a cell that is not active is the free surface (p = 0, no other condition).
+// Every table ends in a null entry (index = count) whose field value is always 0, so that a missing neighbour (free
+// surface, wall) needs no branch: fields have one more entry than there are things. Fields and operators have the size of
+// the active region; the maps *_of_dense that find it have the size of the domain and are rebuilt each step.
 //
-// Faces:  the solver's unknown velocities are those of the open faces, all faces of active cells that are not
-// on a wall.
+// Faces:  the solver's unknown velocities are those of the open faces, all faces of active cells that are not on a wall.
 //         Wall faces are numbered behind the null face; the solver sees them as null, their flux being zero.
-// Edges:  an inner edge needs all four faces around it: where one is missing the edge lies on the free
-// surface and
-//         carries no traction. A wall edge lies on a frictional wall and couples the one face beside it to
-//         the wall.
-// Copies: (method.md, section 5) each cell carries four copies of the stress, at the corners of one parity,
-// which
-//         alternates from cell to cell; each of its twelve edges is touched by exactly one of them. Each wall
-//         face carries two copies of the wall traction in the same way.
+// Edges:  an inner edge needs all four faces around it: where one is missing the edge lies on the free surface and
+//         carries no traction. A wall edge lies on a frictional wall and couples the one face beside it to the wall.
+// Copies: (method.md, section 5) each cell carries four copies of the stress, at the corners of one parity, which
+//         alternates from cell to cell; each of its twelve edges is touched by exactly one of them. Each wall face
+//         carries two copies of the wall traction in the same way.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,13 +1,11 @@
-// D1, D2 and their transposes on the staggered grid (section 2 of method.md), matrix-free, as gathers over
-// the active region's tables. All are differences without the factor 1/h: pressures and stresses enter as
-// impulses P = p dt h^2 (N s through one face), so that a face's velocity changes by their difference over
-// its mass.
+// D1, D2 and their transposes on the staggered grid (section 2 of method.md), matrix-free, as gathers over the active
+// region's tables. All are differences without the factor 1/h: pressures and stresses enter as impulses
+// P = p dt h^2 (N s through one face), so that a face's velocity changes by their difference over its mass.
 //
-//   D1:   cells -> faces     (D1 P)_f   = P_above - P_below
-//   D1^T: faces -> cells     (D1^T v)_c = -(sum over axes of v_upper - v_lower)               = -h div v
-//   D2:   stress -> faces    (D2 S)_f   = difference of S_aa across the face + differences of the two shears
-//   along it D2^T: faces -> stress    minus the symmetric gradient; a shear S_bc stands for both S_bc and
-//   S_cb
+//   D1:   cells -> faces    (D1 P)_f   = P_above - P_below
+//   D1^T: faces -> cells    (D1^T v)_c = -(sum over axes of v_upper - v_lower) = -h div v
+//   D2:   stress -> faces   (D2 S)_f   = difference of S_aa across the face + differences of the two shears along it
+//   D2^T: faces -> stress   minus the symmetric gradient; a shear S_bc stands for both S_bc and S_cb
 //
 // Fields have the sizes of the region's counts plus the null entry, which is read as 0 and never written.
 #pragma once

@@ -50,8 +50,11 @@ inline double duality_gap(const BallBlocks& balls, const Eigen::ArrayXd& s, cons
     const auto e = strain.segment(offset, size);
     gap += balls.radius[block] * std::sqrt(e.square().sum()) + (s.segment(offset, size) * e).sum();
   });
-  return gap;
+  return std::max(gap, 0.0);  // below 0 only by round-off
 }
+
+/// L of a block that acts alone, where the curvature is as FrictionOperator::blocks estimates it.
+inline constexpr double smallest_lipschitz = 1.0;
 
 struct ConeProjectionSettings {
   double gap_tolerance;  // J
@@ -75,6 +78,10 @@ ConeProjectionResult project_onto_cone(const Apply& apply, const ApplyTranspose&
                                        Eigen::ArrayXd& s, Eigen::ArrayXd& velocity) {
   using Array = Eigen::ArrayXd;
   constexpr int iterations_between_checks = 5;
+  constexpr double roundoff = 1e-26;  // of a squared velocity; (2^-52)^2 is 5e-32, sums have many terms
+  constexpr double lipschitz_decay =
+      0.9;  // between calls, so that one hard step does not slow all later ones
+  lipschitz = std::max(smallest_lipschitz, lipschitz_decay * lipschitz);
   const Array inverse_mass = (mass > 0.0).select(mass.max(1e-300).inverse(), 0.0);
   Array impulse(mass.size()), strain(s.size());
   const auto velocity_of = [&](const Array& stress, Array& v) {
@@ -117,8 +124,10 @@ ConeProjectionResult project_onto_cone(const Apply& apply, const ApplyTranspose&
       velocity_of(s_next, v_next);
       const double taken = (mass * (v_next - v_ahead).square()).sum();
       const double allowed = lipschitz * scaled_norm(s_next - s_ahead);
-      if (taken <= allowed * (1.0 + 1e-9) || taken == 0.0) break;
-      lipschitz = std::max(1.05 * taken / allowed * lipschitz, 1.2 * lipschitz);
+      // A step down at round-off says nothing about L; and a value that is not finite must not be waited for.
+      const double noise = roundoff * (mass * v_ahead.square()).sum();
+      if (!(taken > allowed * (1.0 + 1e-9) + noise)) break;
+      lipschitz = std::max(1.05 * taken / allowed, 1.2) * lipschitz;
     }
     const bool uphill = (strain * (s_next - s)).sum() > 0.0;
     momentum = uphill ? 1.0 : momentum_next;

@@ -14,7 +14,9 @@ namespace talus {
 namespace {
 
 constexpr double largest_friction_angle_deg = 60.0;
-constexpr double most_cells = 1e8;
+constexpr double most_cells = 5e7;  // every cell takes some 60 bytes, used or not
+constexpr double most_particles = 1e8;
+constexpr double most_frames = 1e6;
 constexpr std::array<std::string_view, 3> axis_names{"x", "y", "z"};
 
 double friction_of_angle_deg(double angle) { return std::tan(angle * std::numbers::pi / 180.0); }
@@ -139,11 +141,23 @@ Scene read_scene(const std::filesystem::path& file) {
   scene.jitter = particles.number("jitter", {0.0, 1.0});
   scene.seed =
       static_cast<std::uint64_t>(particles.integer("seed", 0, std::numeric_limits<std::int64_t>::max()));
+  const double per_cell = std::pow(scene.particles_per_cell, 3);
+  for (const BoxSource& box : scene.boxes) {
+    const double count = (box.upper - box.lower).prod() / scene.grid.cell_volume() * per_cell;
+    if (count > most_particles) {
+      throw particles.error("per_cell_axis", fmt::format("gives {:.3g} particles in one box; at most {:.0g}",
+                                                         count, most_particles));
+    }
+  }
   particles.finish();
 
   const CheckedTable time = root.table("time");
   scene.end_time = time.number("end_s", positive);
   scene.frame_interval = time.number("frame_interval_s", positive);
+  if (scene.end_time / scene.frame_interval > most_frames) {
+    throw time.error("frame_interval_s", fmt::format("gives more than {:.0g} frames until end_s = {}",
+                                                     most_frames, scene.end_time));
+  }
   time.finish();
 
   if (const auto solver = root.optional_table("solver")) {

@@ -1,9 +1,10 @@
-// Friction stress inside the true cone, on copies (section 5 of method.md), and wall friction bounded by the
-// wall-normal stress and the reaction impulse (section 4). All stresses are impulses, S = s dt h^2 (N s).
+// Friction stress inside the true cone, on copies (section 5 of method.md), and wall friction bounded by the wall-normal
+// stress and the reaction impulse (section 4). All stresses are impulses, S = s dt h^2 (N s).
 //
-// A cell copy holds the five components of a symmetric trace-free tensor in an orthonormal basis, so that
-// their Euclidean norm is ||S||_F: (S_xx - S_zz)/sqrt 2, sqrt(3/2) S_yy, sqrt 2 S_yz, sqrt 2 S_zx, sqrt 2
-// S_xy. A wall copy holds the two tangential tractions.
+// A cell copy holds the five components of a symmetric trace-free tensor in an orthonormal basis, so that their
+// Euclidean norm is ||S||_F:
+//   (S_xx - S_zz) / sqrt 2,   sqrt(3/2) S_yy,   sqrt 2 S_yz,   sqrt 2 S_zx,   sqrt 2 S_xy
+// A wall copy holds the two tangential tractions.
 #pragma once
 
 #include "continuum/grid/operators.h"

@@ -1,11 +1,9 @@
-// The packing constraint: pressure is what keeps the sand from becoming denser than its limit, and never
-// pulls.
+// The packing constraint: pressure is what keeps the sand from becoming denser than its limit, and never pulls.
 //
-//   find P >= 0 complementary to  room + h dt div v >= 0,   v = v_0 - M^-1 D1 P,   per cell,
-//   i.e. minimise 1/2 P'A P + b'P over P >= 0,   A = D1^T M^-1 D1,   b = room - D1^T v_0            (5.13,
-//   velocity form)
+//   find P >= 0 complementary to  room + h div v >= 0,   v = v_0 - M^-1 D1 P,   per cell: (5.13) in velocity form,
+//   minimise 1/2 P'A P + b'P over P >= 0,   A = D1^T M^-1 D1,   b = room - D1^T v_0
 //
-// `room` is how much a cell may still be compressed, as a velocity: (1 - phi) h / dt.
+// `room` is how much a cell may still be compressed, as a velocity: slack h / dt.
 #pragma once
 
 #include "continuum/grid/operators.h"

@@ -1,8 +1,13 @@
 // Pressure and friction stress together, by alternating two convex projections (figure 5.7, step 3).
 //
-// The consistent scheme of method.md, section 3: faces weigh what the particles on them weigh, the packing
-// constraint is on velocity, friction lives in the true cone, walls are bounded by their normal stress and
-// reaction.
+// The consistent scheme of method.md, section 3: faces weigh what the particles on them weigh, the packing constraint is
+// on velocity, friction lives in the true cone, walls are bounded by their normal stress and reaction.
+//
+// Where this differs from method.md:
+// - a face's mass is bounded below (smallest_face_fill) but not above: an overfull face keeps its inertia;
+// - face velocities are not extrapolated into empty cells; the kernel keeps off them instead (particles/transfer.h);
+// - only the first step counts as cold; a sudden change of contact later on gets the iterations of a warm step, and
+//   there is no coarse (FAS) descent. A solve that this leaves unconverged is counted as a cap hit.
 #pragma once
 
 #include "continuum/particles/transfer.h"

@@ -82,6 +82,9 @@ TEST(TalusProgram, KilledHalfWayLeavesNoSnapshotsUnderTheirFinalName) {
   const TestFolder temporary;
   const auto& folder = temporary.path();
   std::ofstream(folder / "scene.toml") << small_scene("1000.0");
+  // What an earlier run left must not pass for this one's.
+  std::filesystem::create_directories(folder / "out");
+  for (const char* old : {"snapshots.h5", "run.json"}) std::ofstream(folder / "out" / old) << "old";
   const auto result = run_program(
       {"talus", "run", (folder / "scene.toml").string(), "--output", (folder / "out").string()}, 2.0);
   EXPECT_TRUE(result.timed_out);

@@ -19,6 +19,7 @@ using testing::run_program;
 using testing::TestFolder;
 
 const std::filesystem::path source = TALUS_SOURCE_DIR;
+const std::string program = (std::filesystem::path(TALUS_BINARY_DIR) / "bin" / "talus-validate").string();
 const std::string tiny_suite = (source / "tests/validation/data/tiny_suite.toml").string();
 
 testing::ProgramResult validate(const std::string& command, const std::string& suite,
@@ -141,9 +142,30 @@ TEST_F(WholeChain, CheckSaysTheVerdictByItsExitCode) {
 TEST_F(WholeChain, ReportIsMadeAgainFromTheStoredRuns) {
   const std::string before = read_file(output_ / "report.html");
   std::filesystem::remove(output_ / "report.html");
-  const auto result = run_program({"talus-validate", "report", tiny_suite, "--output", output_.string()});
+  const auto result =
+      run_program({"/usr/bin/env", "PATH=/nowhere", program, "report", "--output", output_.string()});
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_EQ(read_file(output_ / "report.html"), before);
+}
+
+TEST_F(WholeChain, CheckJudgesTheRunsNotTheWrittenVerdict) {
+  const TestFolder temporary;
+  const auto exit_code_of = [&](const nlohmann::json& changed) {
+    std::ofstream(temporary.path() / "results.json") << changed.dump();
+    return run_program({"talus-validate", "check", "--output", temporary.path().string()}).exit_code;
+  };
+  auto changed = results();
+  changed["verdict"] = "PASS";
+  for (auto& run : changed["cases"][0]["runs"]) {
+    if (run["backend"] == "continuum") run["observables"]["x95"] = 9.0;
+  }
+  EXPECT_EQ(exit_code_of(changed), 1);
+  for (auto& run : changed["cases"][0]["runs"]) run["observables"]["at_rest"] = false;
+  EXPECT_EQ(exit_code_of(changed), 3);
+  changed["cases"] = nlohmann::json::array();
+  EXPECT_EQ(exit_code_of(changed), 3);
+  changed.erase("cases");
+  EXPECT_EQ(exit_code_of(changed), 2);
 }
 
 TEST_F(WholeChain, HalfWrittenResultsAreRefused) {
@@ -178,19 +200,22 @@ TEST(ValidateErrors, BadInputIsOneErrorExitCodeTwoAndNothingWritten) {
   expect("diameter_m = 0.003", "diameter_mm = 3.0",
          AllOf(HasSubstr("diameter_mm"), HasSubstr("column.toml:")));
   expect("time_step_s = 3.5e-5", "time_step_s = 1.4e-4", HasSubstr("Rayleigh"));
+  expect("diameter_m = 0.003", "diameter_m = 1e-6",
+         AllOf(HasSubstr("grains; at most"), HasSubstr("diameter_m")));
+  expect("wall_friction = 0.0", "wall_friction = 0.9", HasSubstr("must be at most friction"));
+  expect("kind = \"column_collapse\"", "kind = \"avalanche\"", HasSubstr("must be one of: column_collapse"));
   expect("[protocol]", "[proto", AllOf(HasSubstr("column.toml:"), HasSubstr("not valid TOML")));
   // Half a case file: everything from the middle on is gone.
   const std::string tail = read_file(source / "tests/dem_cases/data/tiny_column.toml");
-  expect(tail.substr(tail.find("[contact]")), "", HasSubstr("needs a table [contact]"));
+  expect(tail.substr(tail.find("[contact]")), "", HasSubstr("needs a table [protocol]"));
 }
 
 TEST(ValidateErrors, AMissingProgramIsNamedWithItsPackage) {
   const TestFolder temporary;
   const auto& folder = temporary.path();
-  const auto program = std::filesystem::path(TALUS_BINARY_DIR) / "bin" / "talus-validate";
   std::filesystem::create_symlink("/usr/bin/liggghts", folder / "liggghts");
-  const auto result = run_program({"/usr/bin/env", "PATH=" + folder.string(), program.string(), "run",
-                                   tiny_suite, "--output", (folder / "out").string()});
+  const auto result = run_program({"/usr/bin/env", "PATH=" + folder.string(), program, "run", tiny_suite,
+                                   "--output", (folder / "out").string()});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.output, AllOf(HasSubstr("yade"), HasSubstr("apt-get install yade")));
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
@@ -219,12 +244,11 @@ TEST(ValidateErrors, ARunOverItsTimeLimitFailsTheSuiteAndLeavesNoResults) {
 TEST(ValidateErrors, AnInterruptedRunLeavesNothingThatPassesForWhole) {
   const TestFolder temporary;
   const auto& output = temporary.path();
-  const auto program = std::filesystem::path(TALUS_BINARY_DIR) / "bin" / "talus-validate";
   // Results of an earlier run must not survive as if they were this run's.
   std::ofstream(output / "results.json") << "{}";
   std::ofstream(output / "report.html") << "old";
-  const auto result = run_program({"/usr/bin/timeout", "--preserve-status", "--signal=INT", "3",
-                                   program.string(), "run", tiny_suite, "--output", output.string()});
+  const auto result = run_program({"/usr/bin/timeout", "--preserve-status", "--signal=INT", "3", program,
+                                   "run", tiny_suite, "--output", output.string()});
   EXPECT_EQ(result.exit_code, 130) << result.output;
   EXPECT_THAT(result.output, HasSubstr("interrupted"));
   EXPECT_FALSE(std::filesystem::exists(output / "results.json"));

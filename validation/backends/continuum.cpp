@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "continuum/io/atomic_file.h"
-#include "continuum/io/provenance.h"
 #include "continuum/scene/checked_table.h"
 #include "dem_cases/process.h"
 #include "validation/backends/backend.h"
@@ -118,7 +117,8 @@ Backend make_continuum_backend(const RunRequest& request) {
                     request.column.file.string()));
   }
   Backend backend;
-  backend.version = version_line("talus");
+  backend.version = dem::output_of({talus_program().string(), "--version"});
+  backend.version.erase(backend.version.find_last_not_of('\n') + 1);
   backend.command = {talus_program().string(), "run", scene_name, "--output", "."};
   backend.log_file = log_name;
   backend.thickness = request.column.geometry.column_length / request.resolution.cells_per_column_length;

@@ -57,13 +57,15 @@ Judged judge(const std::vector<double>& continuum, const std::vector<double>& re
   const double deviation = (model.mean - truth.mean) / truth.mean;
   if (!std::isfinite(deviation))
     return {Verdict::inconclusive, std::nan(""), "a value is missing or not finite"};
-  if (std::abs(deviation) <= band) return {Verdict::pass, deviation, "within the band"};
   if (!std::isfinite(truth.standard_deviation))
     return {Verdict::inconclusive, deviation, "one reference run gives no spread"};
   const double uncertainty =
       2.0 * truth.standard_deviation / std::sqrt(static_cast<double>(truth.count)) / std::abs(truth.mean);
   if (std::abs(deviation) > band + uncertainty)
     return {Verdict::fail, deviation, "outside the band by more than the reference's uncertainty"};
+  if (uncertainty > band)
+    return {Verdict::inconclusive, deviation, "the reference is less certain than the band is wide"};
+  if (std::abs(deviation) <= band) return {Verdict::pass, deviation, "within the band"};
   return {Verdict::inconclusive, deviation, "outside the band, by less than the reference's uncertainty"};
 }
 
@@ -89,14 +91,14 @@ TruthJudgement judge_truth(std::span<const dem::ObservableBand> bands, const jso
     if (reason.empty()) reason = unfit(run);
   }
   constexpr std::array<std::string_view, 1> model{"continuum"};
-  TruthJudgement judgement{json::array(), Verdict::pass};
+  TruthJudgement judgement{json::array(), bands.empty() ? Verdict::inconclusive : Verdict::pass};
   for (const auto& band : bands) {
     const auto continuum = values_of(runs, model, band.name);
     const auto reference = values_of(runs, reference_backends, band.name);
     Judged judged = judge(continuum, reference, band.relative_band);
     if (!reason.empty()) judged.verdict = Verdict::inconclusive, judged.why = reason;
     json entry{{"observable", band.name},
-               {"unit", "L0"},
+               {"unit", band.name == "stop_time" ? "s" : "L0"},
                {"reference", statistics_of(reference)},
                {"deviation", std::isfinite(judged.deviation) ? json(judged.deviation) : json()},
                {"band", band.relative_band},

@@ -1,10 +1,12 @@
 // The truth gate: does the continuum agree with the discrete codes? (The drift gate, against our own last
 // accepted results, is another thing.)
 //
-//   deviation = (continuum mean - reference mean) / reference mean,   reference: all runs of the discrete
-//   codes u         = 2 s / sqrt(n) / reference mean,                        s, n: standard deviation and
-//   number of those runs PASS          |deviation| <= band FAIL          |deviation| >  band + u INCONCLUSIVE
-//   in between, or when a run is missing, not finite, not at rest, or did not converge
+//   deviation = (continuum mean - reference mean) / reference mean    reference: all runs of the discrete codes
+//   u         = 2 s / sqrt(n) / reference mean                        s, n: standard deviation, number of those runs
+//
+//   FAIL          |deviation| > band + u
+//   PASS          |deviation| <= band, and u <= band
+//   INCONCLUSIVE  otherwise, and whenever a run is missing, not finite, not at rest, or did not converge
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "continuum/io/atomic_file.h"
+#include "continuum/io/provenance.h"
 #include "continuum/scene/checked_table.h"
 #include "validation/backends/backend.h"
 
@@ -35,8 +37,10 @@ SuiteCase read_suite_case(const CheckedTable& table, const std::filesystem::path
       throw table.error("backends", "must not repeat an entry");
     }
   }
-  for (const auto seed : table.integers("seeds", 0, std::numeric_limits<std::int64_t>::max())) {
-    entry.seeds.push_back(static_cast<std::uint64_t>(seed));
+  entry.seeds = entry.column.seeds;
+  if (table.has("seeds")) {
+    const auto seeds = table.integers("seeds", 0, std::numeric_limits<std::int64_t>::max());
+    entry.seeds.assign(seeds.begin(), seeds.end());
   }
   entry.time_limit = table.number("time_limit_s", positive);
   const CheckedTable cost = table.table("expected_cpu_s");
@@ -67,6 +71,8 @@ Suite read_suite(const std::string& name_or_file) {
   suite.name = root.string("name");
   suite.title = root.string("title");
   suite.calibration = (folder / root.string("calibration")).lexically_normal();
+  suite.input_hash = sha256(read_file(suite.file));
+  suite.calibration_hash = sha256(read_file(suite.calibration));
   const CheckedTable resolution = root.table("continuum");
   suite.resolution.cells_per_column_length =
       static_cast<int>(resolution.integer("cells_per_column_length", 4, 1000));
@@ -74,7 +80,17 @@ Suite read_suite(const std::string& name_or_file) {
       static_cast<int>(resolution.integer("particles_per_cell_axis", 2, 8));
   suite.resolution.lattice_jitter = resolution.number("lattice_jitter", {0.0, 1.0});
   resolution.finish();
-  for (const auto& table : root.tables("case")) suite.cases.push_back(read_suite_case(table, folder));
+  for (const auto& table : root.tables("case")) {
+    suite.cases.push_back(read_suite_case(table, folder));
+    auto& column = suite.cases.back().column;
+    suite.cases.back().material = dem::read_calibration(suite.calibration, column.calibration);
+    const auto& name = column.name;
+    const auto same = [&](const SuiteCase& other) { return other.column.name == name; };
+    if (std::count_if(suite.cases.begin(), suite.cases.end(), same) > 1) {
+      throw table.error(
+          "file", fmt::format("is the second case named '{}' of this suite; names tell results apart", name));
+    }
+  }
   root.finish();
   return suite;
 }

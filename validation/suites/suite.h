@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "dem_cases/calibration.h"
 #include "dem_cases/case.h"
 
 namespace talus::validation {
@@ -20,8 +21,9 @@ struct ContinuumResolution {
 
 struct SuiteCase {
   dem::Case column;
+  dem::MaterialConstants material;  // the continuum's, from the calibration
   std::vector<std::string> backends;
-  std::vector<std::uint64_t> seeds;
+  std::vector<std::uint64_t> seeds;            // those of the case, unless the suite says otherwise
   double time_limit;                           // s, wall clock, of one run
   std::map<std::string, double> expected_cpu;  // s, by backend
 };
@@ -30,7 +32,9 @@ struct Suite {
   std::string name;
   std::string title;
   std::filesystem::path file;
+  std::string input_hash;  // SHA-256 of the file's text
   std::filesystem::path calibration;
+  std::string calibration_hash;  // likewise
   ContinuumResolution resolution;
   std::vector<SuiteCase> cases;
 };

@@ -181,10 +181,9 @@ bool rests_after_moving(double bins, double share) {
   return measure_column_collapse(series, ruler).observables.at_rest;
 }
 
-TEST(ColumnCollapse, RestIsLessThanABinOverTheLastTenthOfTheTime) {
-  // A longer wedge of the same volume is also flatter, so the front itself moves a little less than the
-  // reach.
-  EXPECT_TRUE(rests_after_moving(0.9, 0.95));
+TEST(ColumnCollapse, RestIsThatNeitherFrontNorBulkMovesOverTheLastTenthOfTheTime) {
+  EXPECT_TRUE(rests_after_moving(0.01, 0.95));
+  EXPECT_FALSE(rests_after_moving(0.9, 0.95));  // less than a bin, but the whole wedge with it
   EXPECT_FALSE(rests_after_moving(1.3, 0.95));
   EXPECT_FALSE(rests_after_moving(1.3, 0.91));
   EXPECT_TRUE(rests_after_moving(1.3, 0.89));

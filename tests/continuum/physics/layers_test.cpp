@@ -67,6 +67,43 @@ TEST(LayerAtRest, PressureIsHydrostaticAndNothingMoves) {
   EXPECT_LT((state.particles.positions - start).cwiseAbs().maxCoeff(), 1e-4 * spacing);
 }
 
+TEST(LayerAtRest, HoldsOnSlopesWhereEveryCopyIsExactlyAtYieldOrAtZero) {
+  // Perfect lattices once drove the friction solver's step length to infinity.
+  for (const double angle_deg : {0.0, 2.0, 10.0, 21.8}) {
+    const double angle = angle_deg * std::numbers::pi / 180.0;
+    State state = initial_state(layer(4.0, 0.4));
+    state.gravity = gravity * Eigen::Vector3d(std::sin(angle), 0.0, -std::cos(angle));
+    testing::run_for(state, StepSettings{}, 0.3, [](const State&, const StepReport&) {});
+    EXPECT_LT(std::abs(testing::mean_velocity(state, 0)), 0.02 * gravity * 0.3) << angle_deg;
+    EXPECT_LT(state.lipschitz, 1e3) << angle_deg;
+  }
+}
+
+TEST(LayerAtRest, SqueezedSandIsMovedApartByTheDensityCorrection) {
+  State state = initial_state(layer(8.0, 0.4));
+  state.particles.positions.row(2) *= 0.85;
+  const auto height = [&] { return 2.0 * state.particles.positions.row(2).mean() / (8.0 * spacing); };
+  EXPECT_NEAR(height(), 0.85, 1e-12);
+  testing::run_for(state, StepSettings{}, 0.3, [](const State&, const StepReport&) {});
+  EXPECT_GT(height(), 0.97);
+  EXPECT_LT(height(), 1.03);
+}
+
+TEST(LayerAtRest, ThrownUpItLeavesTheFloorFreely) {
+  State state = initial_state(layer(3.0, 0.4));
+  state.particles.velocities.row(2).setConstant(0.5);
+  testing::run_for(state, StepSettings{}, 0.02, [](const State&, const StepReport&) {});
+  const double expected = 0.5 - gravity * 0.02;
+  EXPECT_NEAR(state.particles.velocities.row(2).minCoeff(), expected, 0.02);
+  EXPECT_NEAR(state.particles.velocities.row(2).maxCoeff(), expected, 0.02);
+}
+
+TEST(Numerics, AVelocityThatIsNotFiniteStopsTheStepWithItsTime) {
+  State state = initial_state(layer(2.0, 0.4));
+  state.particles.velocities(0, 5) = std::nan("");
+  EXPECT_THROW(step(state, StepSettings{}, 0.001), NumericalError);
+}
+
 TEST(LayerAtRest, TiltedGravityBelowTheFrictionAngleHoldsAndAboveSlides) {
   for (const double excess_deg : {-4.0, 4.0}) {
     const double angle = (21.8 + excess_deg) * std::numbers::pi / 180.0;  // atan(0.4) = 21.8 deg

@@ -80,6 +80,28 @@ TEST(ConeProjection, GapBoundsTheDistanceToTheSolution) {
   }
 }
 
+TEST(ConeProjection, WhatIsNotFiniteEndsAtTheCapUnconverged) {
+  Problem p = random_problem(6);
+  p.free_velocity[3] = std::nan("");
+  Eigen::ArrayXd s = Eigen::ArrayXd::Zero(p.balls.values()), v(p.mass.size());
+  const auto result = solve(p, {1e-6, 50}, s, v);
+  EXPECT_FALSE(result.converged);
+  EXPECT_EQ(result.iterations, 50);
+}
+
+TEST(ConeProjection, EndsWhenAskedForMoreThanRoundOffAllows) {
+  const Problem p = random_problem(7);
+  Eigen::ArrayXd s = Eigen::ArrayXd::Zero(p.balls.values()), v(p.mass.size());
+  double lipschitz = 1.0;
+  const auto result = project_onto_cone(
+      [&](const Eigen::ArrayXd& in, Eigen::ArrayXd& out) { out = (p.k * in.matrix()).array(); },
+      [&](const Eigen::ArrayXd& in, Eigen::ArrayXd& out) { out = (p.k.transpose() * in.matrix()).array(); },
+      p.balls, p.mass, p.free_velocity, {1e-300, 5000}, lipschitz, s, v);
+  EXPECT_LE(result.iterations, 5000);
+  EXPECT_GE(result.gap, 0.0);
+  EXPECT_LT(lipschitz, 1e4);
+}
+
 TEST(ConeProjection, SaysWhenItStopsAtItsCap) {
   const Problem p = random_problem(5);
   Eigen::ArrayXd s = Eigen::ArrayXd::Zero(p.balls.values()), v(p.mass.size());

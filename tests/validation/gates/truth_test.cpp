@@ -46,6 +46,11 @@ TEST(TruthGate, IsInconclusiveWhenTheReferenceScattersTooMuchToTell) {
   // 2 s / sqrt n = 0.1: a deviation of 8 % is outside the band but within what the reference can tell.
   EXPECT_EQ(judge(runs(1.08, 0.95, 1.05)).verdict, Verdict::inconclusive);
   EXPECT_EQ(judge(runs(1.16, 0.95, 1.05)).verdict, Verdict::fail);
+  // However near the mean: a reference less certain than the band cannot confirm anything, nor can a single run.
+  EXPECT_EQ(judge(runs(1.0, 0.9, 1.1)).verdict, Verdict::inconclusive);
+  json one_reference = runs(1.0, 1.0, 1.0);
+  one_reference.erase(2);
+  EXPECT_EQ(judge(one_reference).verdict, Verdict::inconclusive);
 }
 
 TEST(TruthGate, NeverPassesWhatIsMissingNotFiniteMovingOrUnconverged) {

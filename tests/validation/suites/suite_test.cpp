@@ -45,6 +45,11 @@ TEST(Suite, RefusesWhatCannotBeMeant) {
   EXPECT_THAT(error("\"yade\"]", "\"yad\"]"), HasSubstr("must hold only: continuum, liggghts, yade"));
   EXPECT_THAT(error("\"yade\"]", "\"liggghts\"]"), HasSubstr("must not repeat"));
   EXPECT_THAT(error("seeds = [1, 2]", "seeds = [1, 1]"), HasSubstr("must not repeat"));
+  EXPECT_EQ(read_suite(tiny_suite_with(folder, "seeds = [1, 2]", "")).cases[0].seeds.size(), 3u);
+  const std::string twice = "[[case]]\nfile = \"" TALUS_SOURCE_DIR
+                            "/tests/dem_cases/data/tiny_column.toml\"\nbackends = "
+                            "[\"yade\"]\ntime_limit_s = 1.0\nexpected_cpu_s.yade = 1.0\n[[case]]";
+  EXPECT_THAT(error("[[case]]", twice), HasSubstr("second case named 'tiny_column'"));
   EXPECT_THAT(error("yade = 5.0", ""), HasSubstr("expected_cpu_s.yade"));
   EXPECT_THAT(error("time_limit_s", "time_limit_min"), HasSubstr("'case[0].time_limit_s': is missing"));
   EXPECT_THAT(error("tiny_column.toml", "absent.toml"), HasSubstr("absent.toml: no such file"));
