@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/snapshot.h"
-#include "continuum/io/atomic_file.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/checked_table.h"
+#include "continuum/files/provenance.h"
 #include "continuum/io/budget.h"
-#include "continuum/io/provenance.h"
-#include "continuum/scene/checked_table.h"
 #include "continuum/scene/scene.h"
 
 namespace {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/checked_table.h"
 
 namespace talus::dem {
 namespace {

@@ -9,9 +9,9 @@
 #include <set>
 #include <string_view>
 
-#include "continuum/io/atomic_file.h"
-#include "continuum/io/provenance.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/checked_table.h"
+#include "continuum/files/provenance.h"
 
 namespace talus::dem {
 namespace {

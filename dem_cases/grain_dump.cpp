@@ -8,8 +8,8 @@
 #include <fstream>
 #include <numbers>
 
-#include "continuum/io/atomic_file.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/checked_table.h"
 #include "dem_cases/time_step.h"
 
 namespace talus::dem {

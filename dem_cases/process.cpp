@@ -16,8 +16,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "continuum/io/atomic_file.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/input_error.h"
 
 namespace talus::dem {
 namespace {

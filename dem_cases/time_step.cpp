@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/checked_table.h"
 
 namespace talus::dem {
 

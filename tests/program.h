@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "continuum/io/atomic_file.h"
+#include "continuum/files/atomic_file.h"
 #include "dem_cases/process.h"
 #include "tests/test_folder.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/checked_table.h"
 
 namespace talus::testing {
 

@@ -8,9 +8,9 @@
 #include <csignal>
 #include <thread>
 
-#include "continuum/io/atomic_file.h"
-#include "continuum/io/provenance.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/checked_table.h"
+#include "continuum/files/provenance.h"
 #include "validation/report/report.h"
 #include "validation/results.h"
 

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <set>
 
-#include "continuum/io/atomic_file.h"
-#include "continuum/io/provenance.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/checked_table.h"
+#include "continuum/files/provenance.h"
 #include "validation/gates/truth.h"
 
 namespace talus::validation {

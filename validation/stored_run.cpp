@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "continuum/io/atomic_file.h"
-#include "continuum/io/provenance.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/checked_table.h"
+#include "continuum/files/provenance.h"
 #include "dem_cases/process.h"
 
 namespace talus::validation {

@@ -18,8 +18,8 @@
 #include <array>
 #include <vector>
 
+#include "continuum/grid/boundary.h"
 #include "continuum/grid/grid.h"
-#include "continuum/solids/boundary.h"
 
 namespace talus {
 

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <random>
 
-#include "continuum/io/atomic_file.h"
-#include "continuum/io/provenance.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/checked_table.h"
+#include "continuum/files/provenance.h"
 
 namespace talus {
 namespace {

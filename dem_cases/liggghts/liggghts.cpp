@@ -5,8 +5,8 @@
 #include <array>
 #include <fstream>
 
-#include "continuum/io/atomic_file.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/checked_table.h"
 #include "dem_cases/grain_dump.h"
 #include "dem_cases/process.h"
 #include "dem_cases/time_step.h"

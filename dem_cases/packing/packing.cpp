@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/checked_table.h"
 
 namespace talus::dem {
 namespace {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "continuum/io/atomic_file.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/checked_table.h"
 #include "dem_cases/grain_dump.h"
 #include "dem_cases/process.h"
 #include "dem_cases/time_step.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/snapshot.h"
-#include "continuum/io/atomic_file.h"
+#include "continuum/files/atomic_file.h"
 #include "tests/program.h"
 
 namespace talus {

@@ -1,7 +1,7 @@
 // The cases that tests of the discrete codes use.
 #pragma once
 
-#include "continuum/io/atomic_file.h"
+#include "continuum/files/atomic_file.h"
 #include "tests/test_folder.h"
 
 namespace talus::dem {

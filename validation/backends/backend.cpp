@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/checked_table.h"
 #include "dem_cases/liggghts/liggghts.h"
 #include "dem_cases/packing/packing.h"
 #include "dem_cases/time_step.h"

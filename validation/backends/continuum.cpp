@@ -5,8 +5,8 @@
 #include <fstream>
 #include <numbers>
 
-#include "continuum/io/atomic_file.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/checked_table.h"
 #include "dem_cases/process.h"
 #include "validation/backends/backend.h"
 

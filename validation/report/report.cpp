@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "continuum/io/atomic_file.h"
+#include "continuum/files/atomic_file.h"
 #include "page_parts.h"
 
 namespace talus {

@@ -7,8 +7,8 @@
 
 #include "tests/test_folder.h"
 
-#include "continuum/io/atomic_file.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/checked_table.h"
 
 namespace talus {
 namespace {

@@ -9,8 +9,8 @@
 #include <limits>
 #include <string>
 
-#include "continuum/io/atomic_file.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/checked_table.h"
 #include "tests/validation/browser.h"
 #include "tests/validation/report/sample_results.h"
 

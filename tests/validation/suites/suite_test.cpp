@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "continuum/io/atomic_file.h"
+#include "continuum/files/atomic_file.h"
 #include "tests/test_folder.h"
 
 namespace talus::validation {

@@ -11,19 +11,13 @@
 #include <optional>
 #include <set>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace talus {
+#include "continuum/files/input_error.h"
 
-/// Something the user wrote, or a place the user named, cannot be used. The message is complete: it is shown
-/// as it stands, and the program ends with exit code 2.
-class InputError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+namespace talus {
 
 /// The closed interval [low, high] a number must lie in, in the unit that its key names.
 struct Range {

@@ -1,10 +1,10 @@
 // Files are whole or not there.
-#include "continuum/io/atomic_file.h"
+#include "continuum/files/atomic_file.h"
 
 #include <gtest/gtest.h>
 
-#include "continuum/io/provenance.h"
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/checked_table.h"
+#include "continuum/files/provenance.h"
 #include "tests/test_folder.h"
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/checked_table.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

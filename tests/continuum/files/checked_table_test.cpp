@@ -1,5 +1,5 @@
 // Bad input gets one clear error: file, line, key, value, what is allowed, the nearest right name.
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/checked_table.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "continuum/io/atomic_file.h"
+#include "continuum/files/atomic_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "continuum/scene/checked_table.h"
+#include "continuum/files/input_error.h"
 
 namespace talus {
 namespace {

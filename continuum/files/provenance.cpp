@@ -1,4 +1,4 @@
-#include "continuum/io/provenance.h"
+#include "continuum/files/provenance.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
