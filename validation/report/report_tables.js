@@ -117,7 +117,7 @@ function ensembleCell(label, statistics) {
     cell.append(ABSENT);
     return cell;
   }
-  const spread = isNumber(statistics.sd) ? ` ± ${number(statistics.sd)}` : "";
+  const spread = isNumber(statistics.sd) ? ` ± ${Math.abs(statistics.mean) < 100 ? statistics.sd.toFixed(3) : number(statistics.sd)}` : "";
   const count = isNumber(statistics.n) ? make("small", {}, `n = ${statistics.n}`) : null;
   cell.append(make("span", {class: "number"}, number(statistics.mean) + spread, count));
   return cell;
@@ -173,7 +173,7 @@ function runTables(runs) {
   const seconds = (key) => (run) => isNumber(run[key]) ? run[key].toFixed(1) : null;
   const cost = [
     ["CPU", "s", seconds("cpu_s")], ["wall", "s", seconds("wall_s")], ["items", "", (run) => run.count],
-    ["time step", "s", (run) => isNumber(run.time_step_s) ? exactly(run.time_step_s) : null],
+    ["time step", "s", (run) => isNumber(run.time_step_s) ? powerOfTen(run.time_step_s.toExponential(1)) : null],
     ...from("solver"), ...from("preflight"), ["version", "", (run) => run.version],
   ];
   return [
