@@ -1,4 +1,7 @@
 // One time step, as figure 5.7 of the source has it.
+//
+// The limit of half a cell a step is kept by expectation: the step length is chosen from the particles' velocities before
+// the solve, with a margin (courant), and what came of it is reported (largest_move), not enforced.
 #pragma once
 
 #include <optional>
