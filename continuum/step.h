@@ -1,16 +1,19 @@
 // One time step, as figure 5.7 of the source has it.
-//
-// The limit of half a cell a step is kept by expectation: the step length is chosen from the particles' velocities before
-// the solve, with a margin (courant), and what came of it is reported (largest_move), not enforced.
 #pragma once
 
 #include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "continuum/grid/active_region.h"
+#include "continuum/particles/collide.h"
+#include "continuum/particles/deform.h"
+#include "continuum/particles/reshape.h"
+#include "continuum/particles/source.h"
 #include "continuum/particles/transfer.h"
+#include "continuum/solids/wall.h"
 #include "continuum/stress/packing.h"
-#include "continuum/stress/staggered_projections.h"
+#include "continuum/stress/scheme.h"
 
 namespace talus {
 
@@ -18,7 +21,10 @@ namespace talus {
 struct State {
   Grid grid;
   DomainSides sides;
+  std::vector<Wall> walls;
+  Openings openings;  // of the walls that stand now
   std::vector<Material> materials;
+  std::vector<Source> sources;
   Eigen::Vector3d gravity;  // m/s^2
   Particles particles;
   double time = 0.0;  // s
@@ -26,33 +32,52 @@ struct State {
   /// What the last step left for the next one to start from.
   struct Warm {
     ActiveRegion region;
-    Stress stress;
+    SchemeStress stress;
+    Field shear_rate;          // 1/s, per cell
+    Field confining_pressure;  // Pa, per cell, the skin's too (friction.h)
     double dt;
   };
   std::optional<Warm> warm;
-  double lipschitz = 1.0;  // of the friction solve; grows to what is needed
+  bool contact_changed = false;  // since the last step, by a gate
+  double lipschitz = 1.0;        // of the friction solve; grows to what is needed
 };
 
+enum class Transfer { flip, apic };
+
 struct StepSettings {
+  Scheme scheme = Scheme::consistent;
   ProjectionSettings projection;
   double packing_tolerance = 0.005;  // fill above 1 that the density correction leaves alone
-  double courant = 0.4;           // cells a particle may move in a step, expected; the method's limit is 0.5
+  double courant = 0.4;              // cells a particle is expected to move in a step, by its velocity before
   double gravity_courant = 0.25;  // dt <= this * sqrt(h / g)                         (method.md, section 8)
-  double pic_share = 0.02;        // of a step of 0.25 sqrt(h / g); scales with dt
+  Transfer transfer = Transfer::flip;
+  double pic_share = 0.02;  // with FLIP: of a step of 0.25 sqrt(h / g); scales with dt
+  bool reshape = true;      // split and merge particles
+  ReshapeRules reshape_rules;
 };
+
+/// The most a particle may move along an axis in a step, in cells.
+inline constexpr double largest_allowed_move = 0.5;
 
 /// What a step did, for budgets.
 struct StepReport {
   double dt = 0.0;
   ProjectionReport projection;
   PackingResult packing;
+  CollisionReport collisions;
+  DeformReport deform;
+  ReshapeReport reshape;
   double largest_move = 0.0;        // in cells
+  int retries = 0;                  // with half the time step, since a particle would have moved too far
   Eigen::Index particles_left = 0;  // left the domain through an open side
   double mass_left = 0.0;           // kg
+  double mass_added = 0.0;          // kg, by sources
+
+  int cap_hits() const { return projection.cap_hits + (packing.solve.converged ? 0 : 1); }
 };
 
-/// Advances by one time step of at most `dt_limit` seconds. Throws NumericalError when a velocity is not
-/// finite.
+/// Advances by one time step of at most `dt_limit` seconds; gates open, and sources send their next layer, at the end of
+/// a step. Throws NumericalError when a velocity is not finite.
 StepReport step(State& state, const StepSettings& settings, double dt_limit);
 
 class NumericalError : public std::runtime_error {

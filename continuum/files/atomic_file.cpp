@@ -47,6 +47,26 @@ void write_file_atomically(const std::filesystem::path& file, std::string_view c
   }
 }
 
+GrowingFile::GrowingFile(std::filesystem::path file, std::string_view content)
+    : file_(std::move(file)), temporary_(file_) {
+  temporary_ += ".partial";
+  out_.open(temporary_, std::ios::binary | std::ios::trunc);
+  append(content);
+}
+
+void GrowingFile::append(std::string_view content) {
+  out_ << content << std::flush;
+  if (!out_) fail(file_, "cannot write");
+}
+
+void GrowingFile::finish() {
+  out_.close();
+  if (!out_) fail(file_, "cannot write");
+  std::error_code why;
+  std::filesystem::rename(temporary_, file_, why);
+  if (why) throw InputError(fmt::format("{}: cannot put in place: {}", file_.string(), why.message()));
+}
+
 std::string read_file(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(errno)));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 
 namespace talus {
@@ -9,6 +10,20 @@ namespace talus {
 /// Replaces `file` by `content`. Throws InputError when the folder cannot be written to or the disk is full;
 /// the old content, if any, is then untouched.
 void write_file_atomically(const std::filesystem::path& file, std::string_view content);
+
+/// A text that grows while a program runs, as `file` + ".partial", and has its own name once it is whole. What an
+/// unfinished run leaves can be read.
+class GrowingFile {
+ public:
+  /// Starts with `content`. All three throw InputError when the text cannot be written.
+  GrowingFile(std::filesystem::path file, std::string_view content);
+  void append(std::string_view content);
+  void finish();
+
+ private:
+  std::filesystem::path file_, temporary_;
+  std::ofstream out_;
+};
 
 /// The whole content of `file`. Throws InputError when it cannot be read.
 std::string read_file(const std::filesystem::path& file);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 #include <sstream>
+#include <tuple>
 
 namespace talus {
 
@@ -32,6 +33,10 @@ std::string value_text(const toml::node& node) {
       text << n;
   });
   return text.str();
+}
+
+bool inside(double value, Range allowed) {
+  return std::isfinite(value) && value >= allowed.low && value <= allowed.high;
 }
 
 std::string range_text(Range allowed) {
@@ -140,9 +145,7 @@ double CheckedTable::number(std::string_view key, Range allowed) const {
   if (!value || !node_->table->get(key)->is_number()) {
     throw error(key, fmt::format("must be a number, {}", range_text(allowed)));
   }
-  if (!std::isfinite(*value) || *value < allowed.low || *value > allowed.high) {
-    throw error(key, fmt::format("must be {}", range_text(allowed)));
-  }
+  if (!inside(*value, allowed)) throw error(key, fmt::format("must be {}", range_text(allowed)));
   return *value;
 }
 
@@ -182,6 +185,13 @@ std::string CheckedTable::choice(std::string_view key, std::span<const std::stri
   return value;
 }
 
+bool CheckedTable::boolean(std::string_view key, bool otherwise) const {
+  if (!has(key)) return otherwise;
+  const auto* value = node_->table->get(key)->as_boolean();
+  if (!value) throw error(key, "must be true or false");
+  return value->get();
+}
+
 namespace {
 
 template <class T, class Table>
@@ -206,11 +216,28 @@ Eigen::Vector3d CheckedTable::vector(std::string_view key, Range allowed) const 
   if (!array || array->size() != 3) throw error(key, "must be three numbers, [x, y, z]");
   const auto values = read_array<double>(*this, array, key);
   for (const double value : values) {
-    if (!std::isfinite(value) || value < allowed.low || value > allowed.high) {
-      throw error(key, fmt::format("each entry must be {}", range_text(allowed)));
-    }
+    if (!inside(value, allowed)) throw error(key, fmt::format("each entry must be {}", range_text(allowed)));
   }
   return {values[0], values[1], values[2]};
+}
+
+std::vector<Eigen::Vector2d> CheckedTable::pairs(std::string_view key, Range first, Range second) const {
+  if (!has(key)) throw missing(key, "it must be a list of pairs of numbers, [[a, b], ...]");
+  const auto* array = node_->table->get(key)->as_array();
+  if (!array || array->empty()) throw error(key, "must be a list of pairs of numbers, [[a, b], ...]");
+  std::vector<Eigen::Vector2d> found;
+  for (const auto& element : *array) {
+    const auto* pair = element.as_array();
+    if (!pair || pair->size() != 2) throw error(key, "each entry must be a pair of numbers, [a, b]");
+    const auto values = read_array<double>(*this, pair, key);
+    for (const auto& [value, allowed, which] :
+         {std::tuple(values[0], first, "first"), std::tuple(values[1], second, "second")}) {
+      if (!inside(value, allowed))
+        throw error(key, fmt::format("the {} number of each pair must be {}", which, range_text(allowed)));
+    }
+    found.emplace_back(values[0], values[1]);
+  }
+  return found;
 }
 
 std::vector<std::int64_t> CheckedTable::integers(std::string_view key, std::int64_t low,
@@ -220,9 +247,9 @@ std::vector<std::int64_t> CheckedTable::integers(std::string_view key, std::int6
   const auto* array = node_->table->get(key)->as_array();
   if (!array || array->empty()) throw error(key, fmt::format("must be a list of {}", allowed));
   auto values = read_array<std::int64_t>(*this, array, key);
-  const bool inside =
+  const bool in_range =
       std::all_of(values.begin(), values.end(), [&](auto v) { return v >= low && v <= high; });
-  if (!inside) throw error(key, "must hold " + allowed);
+  if (!in_range) throw error(key, "must hold " + allowed);
   if (std::set(values.begin(), values.end()).size() != values.size())
     throw error(key, "must not repeat an entry");
   return values;

@@ -49,7 +49,10 @@ class CheckedTable {
   std::string string(std::string_view key, std::string_view otherwise) const;
   /// One of `allowed`.
   std::string choice(std::string_view key, std::span<const std::string_view> allowed) const;
+  bool boolean(std::string_view key, bool otherwise) const;
   Eigen::Vector3d vector(std::string_view key, Range allowed = {}) const;
+  /// A list of pairs of numbers, [[a, b], ...]; at least one.
+  std::vector<Eigen::Vector2d> pairs(std::string_view key, Range first = {}, Range second = {}) const;
   std::vector<std::int64_t> integers(std::string_view key, std::int64_t low, std::int64_t high) const;
   std::vector<std::string> strings(std::string_view key) const;
   CheckedTable table(std::string_view key) const;

@@ -1,6 +1,9 @@
 #include "continuum/grid/active_region.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+
+#include "continuum/grid/stencil.h"
 
 namespace talus {
 namespace {
@@ -33,17 +36,24 @@ int copy_touching(int parity, int axis, int at_next, int at_last) {
   return -1;  // not reached: every edge is touched by one corner of each parity
 }
 
+/// Fill in slivers is measured against no less than this share of the kernel.
+constexpr double smallest_kernel_share = 0.25;
+
 int parity_of(const Vector3i& cell) { return cell.sum() & 1; }
 
 class Builder {
  public:
-  Builder(const Grid& grid, const DomainSides& sides) : sides_(sides) { region_.grid = grid; }
+  Builder(const Grid& grid, const DomainSides& sides, const Openings& openings)
+      : sides_(sides), openings_(openings) {
+    region_.grid = grid;
+  }
 
   ActiveRegion build(const Eigen::Matrix3Xd& positions) {
     find_cells(positions);
     find_faces();
     find_edges();
     tabulate();
+    measure();
     return std::move(region_);
   }
 
@@ -79,7 +89,13 @@ class Builder {
   }
 
   void find_cells(const Eigen::Matrix3Xd& positions) {
-    region_.cell_of_dense.assign(static_cast<std::size_t>(grid().cells.prod()), -1);
+    region_.cell_of_dense.assign(static_cast<std::size_t>(grid().cells.prod()), is_empty);
+    if (openings_.any()) {
+      for (int dense = 0; dense < grid().cells.prod(); ++dense) {
+        if (openings_.cell_share(dense) == 0.0)
+          region_.cell_of_dense[static_cast<std::size_t>(dense)] = is_closed;
+      }
+    }
     for (Eigen::Index p = 0; p < positions.cols(); ++p) {
       const int dense = grid().cell_index(grid().cell_at(positions.col(p)));
       region_.cell_of_dense[static_cast<std::size_t>(dense)] = 0;
@@ -109,7 +125,7 @@ class Builder {
         for (int side = 0; side < 2; ++side) {
           const Vector3i index = at + side * Vector3i::Unit(axis);
           int& face = face_of_dense[static_cast<std::size_t>(grid().face_index(axis, index))];
-          if (face >= 0) continue;
+          if (face >= 0 || openings_.face_share(axis, grid().face_index(axis, index)) == 0.0) continue;
           if (const Side* wall = wall_at(axis, index)) {
             walls.push_back({axis, index, wall, side == 1, cell});
             continue;
@@ -130,6 +146,7 @@ class Builder {
                                     wall.axis,
                                     wall.upper ? -1.0 : 1.0,
                                     wall.wall->friction,
+                                    openings_.face_share(wall.axis, grid().face_index(wall.axis, wall.index)),
                                     {next_axis(wall.axis), last_axis(wall.axis)},
                                     {}});
       wall_positions_.push_back(wall.index);
@@ -145,8 +162,8 @@ class Builder {
 
   void add_edge(int axis, const Vector3i& i, const std::array<int, 4>& faces,
                 const std::array<int, 4>& copies) {
-    int& edge =
-        edge_of_dense_[static_cast<std::size_t>(axis)][static_cast<std::size_t>(grid().edge_index(axis, i))];
+    int& edge = region_.edge_of_dense[static_cast<std::size_t>(axis)]
+                                     [static_cast<std::size_t>(grid().edge_index(axis, i))];
     edge = region_.edge_count();
     region_.edge_axis.push_back(axis);
     region_.edge_faces.push_back(faces);
@@ -155,7 +172,7 @@ class Builder {
 
   void find_edges() {
     for (int axis = 0; axis < 3; ++axis) {
-      auto& edge_of_dense = edge_of_dense_[static_cast<std::size_t>(axis)];
+      auto& edge_of_dense = region_.edge_of_dense[static_cast<std::size_t>(axis)];
       edge_of_dense.assign(static_cast<std::size_t>(grid().extent(Grid::nodal_of_edge(axis)).prod()), -1);
       for (int cell = 0; cell < region_.cell_count(); ++cell) {
         const Vector3i at = grid().cell_of_index(region_.dense_of_cell[static_cast<std::size_t>(cell)]);
@@ -165,7 +182,7 @@ class Builder {
     }
     region_.inner_edges = region_.edge_count();
     for (std::size_t w = 0; w < region_.wall_faces.size(); ++w) {
-      if (region_.wall_faces[w].friction > 0.0) find_wall_edges(static_cast<int>(w));
+      if (region_.wall_faces[w].friction != 0.0) find_wall_edges(static_cast<int>(w));
     }
   }
 
@@ -191,8 +208,8 @@ class Builder {
   }
 
   int edge_at(int axis, const Vector3i& i) const {
-    return edge_of_dense_[static_cast<std::size_t>(axis)]
-                         [static_cast<std::size_t>(grid().edge_index(axis, i))];
+    return region_
+        .edge_of_dense[static_cast<std::size_t>(axis)][static_cast<std::size_t>(grid().edge_index(axis, i))];
   }
 
   /// A wall face's traction along t lives on its two edges along the other tangential axis.
@@ -254,15 +271,96 @@ class Builder {
     }
     for (WallFace& wall : region_.wall_faces) {
       for (auto& edges : wall.edges) {
-        for (int& edge : edges) edge = wall.friction > 0.0 && edge >= 0 ? edge : null_edge;
+        for (int& edge : edges) edge = wall.friction != 0.0 && edge >= 0 ? edge : null_edge;
       }
     }
   }
 
+  /// What solids leave open, and their contacts with the sand.
+  void measure() {
+    const int cells = region_.cell_count();
+    region_.face_strained_cells = region_.face_cells;
+    region_.cell_share = region_.cell_kernel = Eigen::ArrayXd::Ones(cells + 1);
+    region_.face_area = region_.face_kernel = Eigen::ArrayXd::Ones(region_.open_faces + 1);
+    region_.face_area[region_.null_face()] = 0.0;
+    if (!openings_.any()) return;
+    for (int face = 0; face < region_.open_faces; ++face) {
+      const auto f = static_cast<std::size_t>(face);
+      const int dense = grid().face_index(region_.face_axis[f], face_positions_[f]);
+      region_.face_area[face] = openings_.face_share(region_.face_axis[f], dense);
+      region_.face_kernel[face] = openings_.face_kernel_share(region_.face_axis[f], dense);
+    }
+    for (int cell = 0; cell < cells; ++cell) {
+      const int dense = region_.dense_of_cell[static_cast<std::size_t>(cell)];
+      region_.cell_share[cell] = openings_.cell_share(dense);
+      region_.cell_kernel[cell] = std::max(smallest_kernel_share, openings_.cell_kernel_share(dense));
+      find_contact(cell, grid().cell_of_index(dense));
+    }
+  }
+
+  /// The area vector of the solid's wall in a cell, into the sand.
+  Eigen::Vector3d wall_area(const Vector3i& at) const {
+    Eigen::Vector3d area;
+    for (int axis = 0; axis < 3; ++axis) {
+      area[axis] = openings_.face_share(axis, grid().face_index(axis, at + Vector3i::Unit(axis))) -
+                   openings_.face_share(axis, grid().face_index(axis, at));
+    }
+    return area;
+  }
+
+  void find_contact(int cell, const Vector3i& at) {
+    const Eigen::Vector3d area = wall_area(at);
+    if (area.norm() < smallest_opening) return;
+    const auto& faces = region_.cell_faces[static_cast<std::size_t>(cell)];
+    const double friction = openings_.friction[grid().cell_index(at)];
+    Contact contact{cell, area.normalized(), area.norm(), friction, {}, {}};
+    const auto face_or_opposite = [&](int axis, int side) {
+      const int face = faces[static_cast<std::size_t>(2 * axis + side)];
+      return face == region_.null_face() ? faces[static_cast<std::size_t>(2 * axis + 1 - side)] : face;
+    };
+    for (int copy = 0; copy < copies_per_contact; ++copy) {
+      const auto corner = copy_corner(region_.cell_parity[static_cast<std::size_t>(cell)], copy);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        contact.faces[static_cast<std::size_t>(copy)][axis] =
+            face_or_opposite(static_cast<int>(axis), corner[axis]);
+      }
+    }
+    contact.tangents.col(0) = contact.normal.unitOrthogonal();
+    contact.tangents.col(1) = contact.normal.cross(contact.tangents.col(0));
+    for (int axis = 0; axis < 3; ++axis) close(contact, axis, at);
+    if (friction != 0.0) region_.contacts.push_back(contact);
+  }
+
+  /// Where a solid closes a face of the contact's cell along `axis`.
+  void close(const Contact& contact, int axis, const Vector3i& at) {
+    bool closed = false;
+    for (int side = 0; side < 2; ++side) {
+      const Vector3i index = at + side * Vector3i::Unit(axis);
+      closed = closed || openings_.face_share(axis, grid().face_index(axis, index)) == 0.0;
+    }
+    if (!closed) return;
+    const auto& faces = region_.cell_faces[static_cast<std::size_t>(contact.cell)];
+    Closure closure{contact.cell, axis, std::abs(contact.normal[axis]), faces, {}};
+    for (std::size_t along = 0; along < 3; ++along) {
+      const bool lower = faces[2 * along] != region_.null_face();
+      const bool upper = faces[2 * along + 1] != region_.null_face();
+      const double share = lower && upper ? 0.5 : 1.0;
+      for (const std::size_t face : {2 * along, 2 * along + 1})
+        closure.weight[face] = -closure.normal_share * contact.normal[static_cast<int>(along)] * share;
+    }
+    for (int side = 0; side < 2; ++side) {
+      const int face = faces[static_cast<std::size_t>(2 * axis + side)];
+      if (face != region_.null_face())
+        region_.face_strained_cells[static_cast<std::size_t>(face)][static_cast<std::size_t>(1 - side)] =
+            region_.null_cell();
+    }
+    region_.closures.push_back(closure);
+  }
+
   const DomainSides& sides_;
+  const Openings& openings_;
   ActiveRegion region_;
   std::vector<Vector3i> face_positions_, wall_positions_;
-  std::array<std::vector<int>, 3> edge_of_dense_;
 };
 
 }  // namespace
@@ -271,9 +369,9 @@ std::array<int, 3> copy_corner(int parity, int copy) {
   return corner_table[static_cast<std::size_t>(parity)][static_cast<std::size_t>(copy)];
 }
 
-ActiveRegion make_active_region(const Grid& grid, const DomainSides& sides,
-                                const Eigen::Matrix3Xd& positions) {
-  return Builder(grid, sides).build(positions);
+ActiveRegion make_active_region(const Grid& grid, const DomainSides& sides, const Eigen::Matrix3Xd& positions,
+                                const Openings& openings) {
+  return Builder(grid, sides, openings).build(positions);
 }
 
 }  // namespace talus

@@ -11,7 +11,12 @@
 //         carries no traction. A wall edge lies on a frictional wall and couples the one face beside it to the wall.
 // Copies: (method.md, section 5) each cell carries four copies of the stress, at the corners of one parity, which
 //         alternates from cell to cell; each of its twelve edges is touched by exactly one of them. Each wall face
-//         carries two copies of the wall traction in the same way.
+//         carries two copies of the wall traction in the same way, each contact with a solid four.
+//
+// Solids (openings.h) close faces, wholly or in part. A face they close is null, as on a wall. Where they cut a cell, a
+// contact stands for the wall in it; and the normal strain across a face they close is that of a wall which stops the
+// normal velocity and lets the tangential one slip (a closure), so that a uniform slip strains nothing and stress pushes
+// on the wall along its normal only.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,11 +25,14 @@
 
 #include "continuum/grid/boundary.h"
 #include "continuum/grid/grid.h"
+#include "continuum/grid/openings.h"
 
 namespace talus {
 
 inline constexpr int copies_per_cell = 4;
 inline constexpr int copies_per_wall_face = 2;
+inline constexpr int copies_per_contact = 4;
+inline constexpr int values_per_contact = 2 * copies_per_contact;  // two tangential tractions a copy
 
 /// Edge number within a cell: along `axis`, at offsets 0 or 1 along the next and the last axis.
 constexpr int local_edge(int axis, int at_next, int at_last) { return 4 * axis + at_next + 2 * at_last; }
@@ -37,10 +45,32 @@ struct WallFace {
   int cell;                  // the active cell beside it
   int axis;                  // its normal
   double inward;             // +1 when the inside lies up the axis, -1 otherwise
-  double friction;           // mu_w
+  double friction;           // mu_w; negative: as rough as the sand itself
+  double area;               // what solids leave open of it, h^2
   std::array<int, 2> along;  // tangential axes: next and last of `axis`
   // Edges that carry the traction along `along[t]`, touched by copy 0 and copy 1; null where there is none.
   std::array<std::array<int, copies_per_wall_face>, 2> edges;
+};
+
+/// The wall of a solid inside an active cell.
+struct Contact {
+  int cell;
+  Eigen::Vector3d normal;  // unit, into the sand
+  double area;             // h^2
+  double friction;         // mu_w; negative: as rough as the sand itself
+  // The slip velocity at a copy's corner has its three components on these open faces; null where there is none.
+  std::array<std::array<int, 3>, copies_per_contact> faces;
+  Eigen::Matrix<double, 3, 2> tangents;  // orthonormal
+};
+
+/// Normal strain along an axis across which a solid closes a face of the cell:
+/// (v_lower - v_upper) becomes - |n_axis| n . v, v the mean of the cell's open faces along each axis.
+struct Closure {
+  int cell;
+  int axis;
+  double normal_share;           // |n_axis|
+  std::array<int, 6> faces;      // of the cell; null where not open
+  std::array<double, 6> weight;  // strain = sum of weight * velocity
 };
 
 struct ActiveRegion {
@@ -48,19 +78,27 @@ struct ActiveRegion {
 
   // Cells. dense_of_cell is ascending.
   std::vector<int> dense_of_cell;
-  std::vector<int> cell_of_dense;               // -1 where not active
+  std::vector<int> cell_of_dense;               // is_empty or is_closed (stencil.h) where not active
   std::vector<std::array<int, 6>> cell_faces;   // x-, x+, y-, y+, z-, z+; null on walls
   std::vector<std::array<int, 12>> cell_edges;  // by local_edge; null where there is no inner edge
   std::vector<int> cell_parity;
+  Eigen::ArrayXd cell_share;   // cells + 1: what solids leave open of the cell
+  Eigen::ArrayXd cell_kernel;  // cells + 1: and of its deposition kernel
 
   // Faces: [0, open_faces) unknown, open_faces null, then wall faces up to face_count().
   int open_faces = 0;
   std::vector<int> face_axis;                  // of open faces
   std::vector<std::array<int, 2>> face_cells;  // of open faces: below, above; null where not active
+  std::vector<std::array<int, 2>>
+      face_strained_cells;     // the same, null where a closure stands for the strain
+  Eigen::ArrayXd face_area;    // open_faces + 1: what solids leave open of the face, h^2
+  Eigen::ArrayXd face_kernel;  // open_faces + 1: and of its deposition kernel
   std::vector<std::array<int, 4>>
       face_edges;  // of open faces: along `last` at next-, next+; along `next` at last-, last+
   std::array<std::vector<int>, 3> face_of_dense;  // per axis, every face in use, wall faces too; -1 elsewhere
   std::vector<WallFace> wall_faces;
+  std::vector<Contact> contacts;
+  std::vector<Closure> closures;
 
   // Edges: [0, inner_edges) inner, then wall edges, then null = edge_faces.size().
   int inner_edges = 0;
@@ -69,6 +107,7 @@ struct ActiveRegion {
       edge_faces;  // next-face at last-, last+; last-face at next-, next+ (of the edge's axis)
   std::vector<std::array<int, 4>>
       edge_copies;  // inner: cell * 4 + copy; wall: wall face * 2 + copy; -1 where none
+  std::array<std::vector<int>, 3> edge_of_dense;  // per axis; -1 elsewhere
 
   int cell_count() const { return static_cast<int>(dense_of_cell.size()); }
   int null_cell() const { return cell_count(); }
@@ -79,7 +118,7 @@ struct ActiveRegion {
 };
 
 /// The region of the cells that hold `positions` (3 x n, m). Every position must lie inside the domain.
-ActiveRegion make_active_region(const Grid& grid, const DomainSides& sides,
-                                const Eigen::Matrix3Xd& positions);
+ActiveRegion make_active_region(const Grid& grid, const DomainSides& sides, const Eigen::Matrix3Xd& positions,
+                                const Openings& openings = {});
 
 }  // namespace talus

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 
 namespace talus {
 
@@ -35,6 +36,22 @@ struct Grid {
   /// Cell that holds a position; may lie outside the domain.
   Eigen::Vector3i cell_at(const Eigen::Vector3d& position) const {
     return ((position - origin) / spacing).array().floor().cast<int>();
+  }
+  /// Whether a position lies in the domain; false where it is not finite.
+  bool contains(const Eigen::Vector3d& position) const {
+    const Eigen::Array3d lower = ((position - origin) / spacing).array().floor();
+    return (lower >= 0.0).all() && (lower < cells.cast<double>().array()).all();
+  }
+  /// Brings a position into the domain along periodic axes; leaves others alone.
+  Eigen::Vector3d wrapped_position(Eigen::Vector3d position) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!periodic[static_cast<std::size_t>(axis)]) continue;
+      const double length = spacing * cells[axis];
+      double offset = position[axis] - origin[axis];
+      offset -= length * std::floor(offset / length);
+      position[axis] = origin[axis] + (offset < length ? offset : 0.0);
+    }
+    return position;
   }
 
   /// Number of points of a kind along each axis: one more than cells where `nodal`, unless the axis is

@@ -1,40 +1,78 @@
 #include "continuum/io/budget.h"
 
+#include <fmt/format.h>
+
 #include <limits>
 #include <nlohmann/json.hpp>
 
 namespace talus {
 
-double total_energy(const State& state) {
+Budget::Moment Budget::moment_of(const State& state) {
   const Particles& p = state.particles;
-  const Eigen::ArrayXd kinetic = 0.5 * p.velocities.colwise().squaredNorm().transpose().array();
-  const Eigen::ArrayXd potential =
-      -(state.gravity.transpose() * (p.positions.colwise() - state.grid.origin)).transpose().array();
-  return (p.masses * (kinetic + potential)).sum();
+  Moment m;
+  m.time = state.time;
+  m.particles = p.count();
+  m.mass = p.masses.sum();
+  m.momentum = p.velocities * p.masses.matrix();
+  m.kinetic_energy = 0.5 * (p.masses * p.velocities.colwise().squaredNorm().transpose().array()).sum();
+  m.potential_energy =
+      -(p.masses *
+        (state.gravity.transpose() * (p.positions.colwise() - state.grid.origin)).transpose().array())
+           .sum();
+  return m;
 }
 
+double total_energy(const State& state) { return Budget(state).summary()["energy_start_j"].get<double>(); }
+
 Budget::Budget(const State& initial)
-    : initial_mass_(initial.particles.masses.sum()),
-      initial_energy_(total_energy(initial)),
-      present_mass_(initial_mass_),
-      highest_energy_(initial_energy_),
-      shortest_step_(std::numeric_limits<double>::infinity()),
-      longest_step_(0.0) {}
+    : shortest_step_(std::numeric_limits<double>::infinity()), now_(moment_of(initial)) {
+  initial_mass_ = now_.mass;
+  highest_energy_ = initial_energy_ = now_.kinetic_energy + now_.potential_energy;
+}
 
 void Budget::add(const State& state, const StepReport& report) {
   ++steps_;
-  present_mass_ = state.particles.masses.sum();
+  now_ = moment_of(state);
+  last_ = report;
+  mass_added_ += report.mass_added;
   mass_left_ += report.mass_left;
   particles_left_ += report.particles_left;
-  highest_energy_ = std::max(highest_energy_, total_energy(state));
+  highest_energy_ = std::max(highest_energy_, now_.kinetic_energy + now_.potential_energy);
   friction_iterations_ += report.projection.friction_iterations;
   pressure_iterations_ += report.projection.pressure_iterations;
   packing_iterations_ += report.packing.solve.iterations;
-  cap_hits_ += report.projection.cap_hits + (report.packing.solve.converged ? 0 : 1);
+  cap_hits_ += report.cap_hits();
+  splits_ += report.reshape.split.splits;
+  merges_ += report.reshape.merge.merges;
+  merge_energy_lost_ += report.reshape.merge.energy_lost;
+  splits_put_off_ += report.reshape.split.put_off + report.reshape.split.unfinished;
+  shapes_not_finite_ += report.deform.not_finite;
   peak_fill_ = std::max(peak_fill_, report.packing.peak_fill);
   shortest_step_ = std::min(shortest_step_, report.dt);
   longest_step_ = std::max(longest_step_, report.dt);
   largest_move_ = std::max(largest_move_, report.largest_move);
+  deepest_collision_ = std::max(deepest_collision_, report.collisions.deepest);
+}
+
+std::string Budget::header() {
+  return "step,time_s,dt_s,particles,mass_kg,mass_added_kg,mass_left_kg,momentum_x_kg_m_s,momentum_y_kg_m_s,"
+         "momentum_z_kg_m_s,kinetic_energy_j,potential_energy_j,bulk_volume_m3,peak_fill,friction_iterations,"
+         "pressure_iterations,packing_iterations,friction_residual_m_s,pressure_residual_m_s,cap_hits,"
+         "largest_move_cells,wall_collisions,wall_impulse_x_kg_m_s,wall_impulse_y_kg_m_s,"
+         "wall_impulse_z_kg_m_s,splits,merges,merge_energy_lost_j,retries\n";
+}
+
+std::string Budget::row() const {
+  const StepReport& r = last_;
+  return fmt::format(
+      "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", steps_,
+      now_.time, r.dt, now_.particles, now_.mass, r.mass_added, r.mass_left, now_.momentum[0],
+      now_.momentum[1], now_.momentum[2], now_.kinetic_energy, now_.potential_energy, r.packing.bulk_volume,
+      r.packing.peak_fill, r.projection.friction_iterations, r.projection.pressure_iterations,
+      r.packing.solve.iterations, r.projection.friction_residual, r.projection.pressure_residual,
+      r.cap_hits(), r.largest_move, r.collisions.count, r.collisions.impulse[0], r.collisions.impulse[1],
+      r.collisions.impulse[2], r.reshape.split.splits, r.reshape.merge.merges, r.reshape.merge.energy_lost,
+      r.retries);
 }
 
 nlohmann::json Budget::summary() const {
@@ -43,13 +81,24 @@ nlohmann::json Budget::summary() const {
       {"shortest_step_s", shortest_step_},
       {"longest_step_s", longest_step_},
       {"mass_kg", initial_mass_},
-      {"mass_error", (present_mass_ + mass_left_ - initial_mass_) / initial_mass_},
+      {"mass_error",
+       initial_mass_ + mass_added_ > 0.0
+           ? (now_.mass + mass_left_ - initial_mass_ - mass_added_) / (initial_mass_ + mass_added_)
+           : 0.0},
+      {"mass_added_kg", mass_added_},
       {"mass_left_kg", mass_left_},
       {"particles_left", particles_left_},
       {"energy_start_j", initial_energy_},
       {"energy_highest_j", highest_energy_},
+      {"bulk_volume_m3", last_.packing.bulk_volume},
       {"peak_fill", peak_fill_},
       {"largest_move_cells", largest_move_},
+      {"deepest_collision_m", deepest_collision_},
+      {"splits", splits_},
+      {"merges", merges_},
+      {"merge_energy_lost_j", merge_energy_lost_},
+      {"splits_put_off", splits_put_off_},
+      {"shapes_not_finite", shapes_not_finite_},
       {"friction_iterations", friction_iterations_},
       {"pressure_iterations", pressure_iterations_},
       {"packing_iterations", packing_iterations_},

@@ -1,7 +1,9 @@
-// The books of a run: what was conserved, what was spent, and whether every solve converged.
+// The books of a run: what was conserved, what was spent, and whether every solve converged. One row a step, and a
+// summary at the end.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "continuum/step.h"
 
@@ -10,17 +12,23 @@ namespace talus {
 /// Kinetic + potential energy of the particles, J; potential energy is zero at the domain's lower corner.
 double total_energy(const State& state);
 
-struct Budget {
+class Budget {
+ public:
   explicit Budget(const State& initial);
 
   void add(const State& state, const StepReport& report);
-  /// All figures by name, with units in the names.
+
+  /// The names of a row's columns, with their units, and the row of the last step: comma-separated values.
+  static std::string header();
+  std::string row() const;
+
+  /// All figures of the run by name, with units in the names.
   nlohmann::json summary() const;
 
  private:
   double initial_mass_;    // kg
   double initial_energy_;  // J
-  double present_mass_;
+  double mass_added_ = 0.0;
   double mass_left_ = 0.0;
   Eigen::Index particles_left_ = 0;
   double highest_energy_;  // J, over all steps
@@ -29,10 +37,26 @@ struct Budget {
   long pressure_iterations_ = 0;
   long packing_iterations_ = 0;
   long cap_hits_ = 0;
+  long splits_ = 0;
+  long merges_ = 0;
+  double merge_energy_lost_ = 0.0;  // J
+  long splits_put_off_ = 0;         // once a step and particle
+  long shapes_not_finite_ = 0;
   double peak_fill_ = 0.0;
-  double shortest_step_;       // s
-  double longest_step_;        // s
-  double largest_move_ = 0.0;  // cells
+  double shortest_step_;            // s
+  double longest_step_ = 0.0;       // s
+  double largest_move_ = 0.0;       // cells
+  double deepest_collision_ = 0.0;  // m
+
+  /// What the last row tells of the particles.
+  struct Moment {
+    double time = 0.0, mass = 0.0, kinetic_energy = 0.0, potential_energy = 0.0;
+    Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
+    Eigen::Index particles = 0;
+  };
+  static Moment moment_of(const State& state);
+  Moment now_;
+  StepReport last_;
 };
 
 }  // namespace talus

@@ -6,12 +6,17 @@
 
 namespace talus {
 
-/// v_i += interp(v~ - v^n), blended with interp(v~) by `pic_share` in [0, 1]. Fields cover all faces.
-void update_velocities(const ActiveRegion& region, const Field& before, const Field& after, double pic_share,
-                       Particles& particles);
+/// FLIP: v_i += interp(v~ - v^n), blended with interp(v~) by `pic_share` in [0, 1]. Fields cover all faces.
+void update_velocities_flip(const ActiveRegion& region, const Field& before, const Field& after,
+                            double pic_share, Particles& particles);
+/// APIC (Jiang et al. 2015): v_i = interp(v~), and the particle carries the velocity gradient there.
+void update_velocities_apic(const ActiveRegion& region, const Field& after, Particles& particles);
 
-/// x_i += dt v~(x_i), forward Euler; returns the largest move along an axis, m. Periodic axes wrap.
-double move_particles(const ActiveRegion& region, const Field& velocity, double dt, Particles& particles);
+/// dt v~(x_i): how far forward Euler moves each particle, 3 x n, m.
+Eigen::Matrix3Xd moves_of(const ActiveRegion& region, const Field& velocity, double dt,
+                          const Particles& particles);
+/// The largest of them along any axis, in cells.
+double largest_move(const Grid& grid, const Eigen::Matrix3Xd& moves);
 
 /// Brings positions on periodic axes back into the domain.
 void wrap_positions(const Grid& grid, Eigen::Matrix3Xd& positions);

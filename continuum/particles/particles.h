@@ -2,17 +2,60 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace talus {
 
+/// One column per particle everywhere. Arrays always agree in length; use the members below to change it.
 struct Particles {
-  Eigen::Matrix3Xd positions;   // m, 3 x n
-  Eigen::Matrix3Xd velocities;  // m/s, 3 x n
+  Eigen::Matrix3Xd positions;   // m
+  Eigen::Matrix3Xd velocities;  // m/s
   Eigen::ArrayXd masses;        // kg
   std::vector<int> materials;   // index into the scene's materials
+  /// Ellipsoid { x : x'S^-1 x <= 1 } about the position: S_xx, S_yy, S_zz, S_yz, S_zx, S_xy, m^2. A particle is
+  /// uniform in it, so its second moment about its centre is m S / 5.
+  Eigen::Matrix<double, 6, Eigen::Dynamic> shapes;
+  /// Velocity gradient d v_i / d x_j carried by a particle (APIC), 1/s, column-major 3 x 3. Zero with FLIP.
+  Eigen::Matrix<double, 9, Eigen::Dynamic> gradients;
 
   Eigen::Index count() const { return masses.size(); }
+
+  /// Keeps the first n, or adds particles whose values are still to be set.
+  void resize(Eigen::Index n) {
+    positions.conservativeResize(3, n);
+    velocities.conservativeResize(3, n);
+    masses.conservativeResize(n);
+    materials.resize(static_cast<std::size_t>(n));
+    shapes.conservativeResize(6, n);
+    gradients.conservativeResize(9, n);
+  }
+  /// Overwrites particle `to` with particle `from`.
+  void copy(Eigen::Index from, Eigen::Index to) {
+    positions.col(to) = positions.col(from);
+    velocities.col(to) = velocities.col(from);
+    masses[to] = masses[from];
+    materials[static_cast<std::size_t>(to)] = materials[static_cast<std::size_t>(from)];
+    shapes.col(to) = shapes.col(from);
+    gradients.col(to) = gradients.col(from);
+  }
 };
+
+inline Eigen::Matrix3d shape_matrix(const Particles& particles, Eigen::Index p) {
+  const auto s = particles.shapes.col(p);
+  Eigen::Matrix3d m;
+  m << s[0], s[5], s[4], s[5], s[1], s[3], s[4], s[3], s[2];
+  return m;
+}
+
+/// The shape matrix of a sphere, m^2.
+inline Eigen::Matrix3d sphere_of_volume(double volume) {
+  return std::pow(0.75 * volume / std::numbers::pi, 2.0 / 3.0) * Eigen::Matrix3d::Identity();
+}
+
+inline void set_shape_matrix(const Eigen::Matrix3d& s, Particles& particles, Eigen::Index p) {
+  particles.shapes.col(p) << s(0, 0), s(1, 1), s(2, 2), s(1, 2), s(2, 0), s(0, 1);
+}
 
 }  // namespace talus

@@ -1,10 +1,10 @@
 // Particles <-> grid with the trilinear kernel.
 //
-// Weights that fall on a face or cell which is not in use (inside a wall, or beyond the free surface) go to
-// the one of the particle's own cell in the same place along the other axes. So weights always sum to one:
-// the grid holds exactly the particles' mass, momentum and volume, and what a face's velocity gains the
-// particles gain. (Section 4 of method.md asks this for walls; carrying it to the free surface makes a
-// layer's friction right without extrapolating velocities.)
+// Weights that fall on a face or cell which is not in use (inside a wall, or beyond the free surface) are kept on the
+// particle's own cell (grid/stencil.h). So weights sum to one, but for cells that solids close on both sides along
+// an axis: the grid holds exactly the particles' mass, momentum and volume, and what a face's velocity gains the particles gain. (Section 4 of method.md asks this for walls;
+// carrying it to the free surface makes a layer's friction right without extrapolating velocities.) Fill is divided by
+// what solids leave open of the cell's kernel.
 #pragma once
 
 #include <span>
@@ -25,8 +25,12 @@ struct GridState {
   Field velocity;     // v^n, m/s
 };
 
-GridState deposit(const ActiveRegion& region, const Particles& particles,
-                  std::span<const Material> materials);
+/// m / rho_max of each particle, m^3.
+Eigen::ArrayXd minimum_volumes(const Particles& particles, std::span<const Material> materials);
+
+/// `friction`: mu of each particle.
+GridState deposit(const ActiveRegion& region, const Particles& particles, std::span<const Material> materials,
+                  const Eigen::ArrayXd& friction);
 
 /// Fill for the density correction: weights beyond the free surface are lost, so that it never exceeds 1
 /// merely because particles lie close to the edge of their cell.
@@ -36,5 +40,11 @@ Field deposit_fill(const ActiveRegion& region, const Particles& particles,
 /// The face field interpolated to each particle, 3 x n.
 Eigen::Matrix3Xd interpolate(const ActiveRegion& region, const Field& faces,
                              const Eigen::Matrix3Xd& positions);
+
+/// The derivative of `interpolate` with respect to position, d v_i / d x_j, 1/s: 9 x n, column-major 3 x 3. Exact inside
+/// a half cell; on the planes between, where it jumps, the value of the upper side. Weights that are redirected take
+/// their derivative along, so that it is 0 across a wall or a free surface to which the velocity is carried on.
+Eigen::Matrix<double, 9, Eigen::Dynamic> interpolate_gradient(const ActiveRegion& region, const Field& faces,
+                                                              const Eigen::Matrix3Xd& positions);
 
 }  // namespace talus

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace talus {
 
@@ -105,7 +106,8 @@ BoundQpResult minimise_bound_qp(const Apply& apply, const Eigen::ArrayXd& b, con
       direction = free;
     }
   }
-  x = scale * y;
+  // Scaling back may miss a bound by a rounding; what is at its bound is at it exactly.
+  x = (y <= low).select(lower, (y >= high).select(upper, (scale * y).max(lower).min(upper)));
   return result;
 }
 

@@ -4,22 +4,32 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
 #include "continuum/files/provenance.h"
+#include "continuum/scene/read_shape.h"
 
 namespace talus {
 namespace {
 
 constexpr double largest_friction_angle_deg = 60.0;
-constexpr double most_cells = 5e7;  // every cell takes some 60 bytes, used or not
+constexpr double most_cells = 5e7;  // every cell takes some 60 bytes, used or not, and with walls 80 more
 constexpr double most_particles = 1e8;
 constexpr double most_frames = 1e6;
 constexpr std::array<std::string_view, 3> axis_names{"x", "y", "z"};
 
 double friction_of_angle_deg(double angle) { return std::tan(angle * std::numbers::pi / 180.0); }
+
+/// `friction_angle_deg`, or `rough = true` for a wall that is as rough as the sand.
+double read_wall_friction(const CheckedTable& table) {
+  if (table.boolean("rough", false)) {
+    if (table.has("friction_angle_deg"))
+      throw table.error("friction_angle_deg", "a rough wall has the sand's; remove this");
+    return as_rough_as_sand;
+  }
+  return friction_of_angle_deg(table.number("friction_angle_deg", {0.0, largest_friction_angle_deg}));
+}
 
 Side read_side(const CheckedTable& table, std::string_view name) {
   constexpr std::array<std::string_view, 2> kinds{"open", "wall"};
@@ -27,9 +37,7 @@ Side read_side(const CheckedTable& table, std::string_view name) {
   if (!side_table) return {};
   Side side;
   side.wall = side_table->choice("kind", kinds) == "wall";
-  if (side.wall)
-    side.friction =
-        friction_of_angle_deg(side_table->number("friction_angle_deg", {0.0, largest_friction_angle_deg}));
+  if (side.wall) side.friction = read_wall_friction(*side_table);
   side_table->finish();
   return side;
 }
@@ -64,39 +72,149 @@ Grid read_grid(const CheckedTable& domain) {
 std::vector<Material> read_materials(const CheckedTable& root) {
   std::vector<Material> materials;
   for (const auto& table : root.tables("material")) {
-    Material material;
+    Material material{};
     material.name = table.string("name");
     material.grain_density = table.number("grain_density_kg_m3", positive);
     material.max_volume_fraction = table.number("max_volume_fraction", {0.1, 0.8});
-    material.friction =
-        friction_of_angle_deg(table.number("friction_angle_deg", {0.0, largest_friction_angle_deg}));
+    const double slowest = table.number("friction_angle_deg", {0.0, largest_friction_angle_deg});
+    material.friction = friction_of_angle_deg(slowest);
+    if (const auto rate = table.optional_table("rate_dependence")) {
+      material.rate.fast_friction = friction_of_angle_deg(
+          rate->number("fast_friction_angle_deg", {slowest, largest_friction_angle_deg}));
+      material.rate.inertial_number = rate->number("inertial_number", positive);
+      material.rate.grain_diameter = rate->number("grain_diameter_m", positive);
+      rate->finish();
+    }
     table.finish();
+    const auto same = [&](const Material& other) { return other.name == material.name; };
+    if (std::any_of(materials.begin(), materials.end(), same)) throw table.error("name", "is there twice");
     materials.push_back(material);
   }
   return materials;
 }
 
-std::vector<BoxSource> read_boxes(const CheckedTable& root, const std::vector<Material>& materials,
-                                  const Grid& grid) {
-  std::vector<BoxSource> boxes;
-  for (const auto& table : root.tables("box")) {
-    const std::string name = table.string("material");
-    const auto found =
-        std::find_if(materials.begin(), materials.end(), [&](const Material& m) { return m.name == name; });
-    if (found == materials.end()) throw table.error("material", "names no [[material]] of this file");
-    BoxSource box{static_cast<std::size_t>(found - materials.begin()), table.vector("lower_m"),
-                  table.vector("upper_m")};
-    if ((box.lower.array() >= box.upper.array()).any())
-      throw table.error("upper_m", "must lie above lower_m along every axis");
-    const double slack = 1e-9 * grid.spacing;
-    if ((box.lower.array() < grid.origin.array() - slack).any() ||
-        (box.upper.array() > grid.upper().array() + slack).any()) {
-      throw table.error("upper_m", "the box must lie inside the domain");
+std::size_t read_material_name(const CheckedTable& table, const std::vector<Material>& materials) {
+  const std::string name = table.string("material");
+  const auto found =
+      std::find_if(materials.begin(), materials.end(), [&](const Material& m) { return m.name == name; });
+  if (found == materials.end()) throw table.error("material", "names no [[material]] of this file");
+  return static_cast<std::size_t>(found - materials.begin());
+}
+
+bool holds(const Grid& grid, const Eigen::AlignedBox3d& box) {
+  const double slack = 1e-9 * grid.spacing;
+  return (box.min().array() >= grid.origin.array() - slack).all() &&
+         (box.max().array() <= grid.upper().array() + slack).all();
+}
+
+std::vector<Filling> read_fillings(const CheckedTable& root, const std::vector<Material>& materials,
+                                   const Grid& grid) {
+  std::vector<Filling> fillings;
+  if (!root.has("sand")) return fillings;
+  for (const auto& table : root.tables("sand")) {
+    Filling filling{read_material_name(table, materials), read_shape(table.table("shape"))};
+    if (!holds(grid, bounds(filling.shape))) throw table.error("shape", "must lie inside the domain");
+    if (table.has("velocity_m_s")) filling.velocity = table.vector("velocity_m_s");
+    table.finish();
+    fillings.push_back(filling);
+  }
+  return fillings;
+}
+
+std::vector<Wall> read_walls(const CheckedTable& root) {
+  std::vector<Wall> walls;
+  if (!root.has("wall")) return walls;
+  for (const auto& table : root.tables("wall")) {
+    Wall wall{read_shape(table.table("shape")), read_wall_friction(table)};
+    wall.opens_at = table.number("opens_at_s", positive, wall.opens_at);
+    table.finish();
+    walls.push_back(wall);
+  }
+  return walls;
+}
+
+std::vector<Source> read_sources(const CheckedTable& root, const std::vector<Material>& materials,
+                                 const std::vector<Wall>& walls, const Grid& grid, double spacing) {
+  constexpr std::array<std::string_view, 2> outlines{"rectangle", "ellipse"};
+  std::vector<Source> sources;
+  if (!root.has("source")) return sources;
+  for (const auto& table : root.tables("source")) {
+    Source source{};
+    source.material = static_cast<int>(read_material_name(table, materials));
+    source.lower = table.vector("lower_m");
+    source.upper = table.vector("upper_m");
+    if (((source.upper - source.lower).array() == 0.0).count() != 1 ||
+        (source.upper.array() < source.lower.array()).any())
+      throw table.error(
+          "upper_m",
+          "must equal lower_m along one axis, the inlet's normal, and lie above it along the others");
+    if (!holds(grid, {source.lower, source.upper}))
+      throw table.error("upper_m", "the inlet must lie inside the domain");
+    source.round = table.choice("outline", outlines) == "ellipse";
+    source.velocity = table.vector("velocity_m_s");
+    if (source.velocity[source.normal()] == 0.0)
+      throw table.error("velocity_m_s", "must not be 0 along the inlet's normal");
+    source.fill = table.number("fill", {0.01, 1.0}, 1.0);
+    source.start = table.number("start_s", non_negative, 0.0);
+    source.end = table.number("end_s", positive, std::numeric_limits<double>::infinity());
+    if (source.end <= source.start) throw table.error("end_s", "must come after start_s");
+    source.spacing = spacing;
+    if (!std::isfinite(source.next_layer_time()))
+      throw table.error("end_s", "comes before the first layer of sand has entered");
+    for (const Eigen::Vector3d& corner :
+         {source.lower, source.upper, Eigen::Vector3d(0.5 * (source.lower + source.upper))}) {
+      if (nearest_wall(walls, source.start, corner).distance < -1e-9 * grid.spacing)
+        throw table.error("upper_m", "the inlet must not lie inside a [[wall]]");
     }
     table.finish();
-    boxes.push_back(box);
+    sources.push_back(source);
   }
-  return boxes;
+  return sources;
+}
+
+/// The grid sees walls at the corners of its cells, and each wall once: one that holds a cell's centre must not slip between
+/// them, nor may one that reaches a periodic end differ from what is at the other.
+void check_walls(const CheckedTable& root, const Scene& scene) {
+  const Grid& grid = scene.grid;
+  const auto distance = [&](const Eigen::Vector3d& at) {
+    return nearest_wall(scene.walls, 0.0, grid.origin + grid.spacing * at).distance;
+  };
+  for (int axis = 0; axis < 3 && !scene.walls.empty(); ++axis) {
+    if (!grid.periodic[static_cast<std::size_t>(axis)]) continue;
+    for (int j = 0; j <= grid.cells[last_axis(axis)]; ++j) {
+      for (int i = 0; i <= grid.cells[next_axis(axis)]; ++i) {
+        Eigen::Vector3d at = Eigen::Vector3d::Zero();
+        at[next_axis(axis)] = i;
+        at[last_axis(axis)] = j;
+        const double here = distance(at),
+                     there = distance(at + grid.cells[axis] * Eigen::Vector3d::Unit(axis));
+        if (std::min(here, there) < grid.spacing && std::abs(here - there) > 1e-6 * grid.spacing) {
+          throw root.error(
+              "wall", fmt::format("the walls must be the same at both ends of the periodic {} axis; near "
+                                  "cell ({}, {}) of its end they are not",
+                                  axis_names[static_cast<std::size_t>(axis)], i, j));
+        }
+      }
+    }
+  }
+  const Openings openings = openings_of(grid, scene.walls, 0.0);
+  for (int cell = 0; cell < grid.cells.prod() && openings.any(); ++cell) {
+    const Eigen::Vector3d centre = grid.cell_of_index(cell).cast<double>().array() + 0.5;
+    const double seen = distance_at(grid, openings, grid.origin + grid.spacing * centre).distance;
+    if (distance(centre) < -0.05 * grid.spacing && seen > 0.05 * grid.spacing) {
+      const Eigen::Vector3d at = grid.origin + grid.spacing * centre;
+      throw root.error(
+          "wall", fmt::format("a wall near ({:.4g}, {:.4g}, {:.4g}) m is thinner than a cell, and the grid "
+                              "would not see it; make it thicker, or cell_size_m smaller",
+                              at[0], at[1], at[2]));
+    }
+  }
+}
+
+Scheme read_scheme(const CheckedTable& solver, Scheme otherwise) {
+  constexpr std::array<std::string_view, 2> schemes{"consistent", "paper"};
+  if (!solver.has("scheme")) return otherwise;
+  return solver.choice("scheme", schemes) == "paper" ? Scheme::paper : Scheme::consistent;
 }
 
 ProjectionSettings read_projection(const CheckedTable& solver) {
@@ -134,7 +252,9 @@ Scene read_scene(const std::filesystem::path& file) {
   domain.finish();
 
   scene.materials = read_materials(root);
-  scene.boxes = read_boxes(root, scene.materials, scene.grid);
+  scene.walls = read_walls(root);
+  scene.fillings = read_fillings(root, scene.materials, scene.grid);
+  check_walls(root, scene);
 
   const CheckedTable particles = root.table("particles");
   scene.particles_per_cell = static_cast<int>(particles.integer("per_cell_axis", 2, 8));
@@ -142,13 +262,22 @@ Scene read_scene(const std::filesystem::path& file) {
   scene.seed =
       static_cast<std::uint64_t>(particles.integer("seed", 0, std::numeric_limits<std::int64_t>::max()));
   const double per_cell = std::pow(scene.particles_per_cell, 3);
-  for (const BoxSource& box : scene.boxes) {
-    const double count = (box.upper - box.lower).prod() / scene.grid.cell_volume() * per_cell;
+  for (const Filling& filling : scene.fillings) {
+    const double count = bounds(filling.shape).sizes().prod() / scene.grid.cell_volume() * per_cell;
     if (count > most_particles) {
-      throw particles.error("per_cell_axis", fmt::format("gives {:.3g} particles in one box; at most {:.0g}",
-                                                         count, most_particles));
+      throw particles.error(
+          "per_cell_axis",
+          fmt::format("gives {:.3g} particles in one shape; at most {:.0g}", count, most_particles));
     }
   }
+  scene.sources = read_sources(root, scene.materials, scene.walls, scene.grid,
+                               scene.grid.spacing / scene.particles_per_cell);
+  if (scene.fillings.empty() && scene.sources.empty())
+    throw root.error("sand", "there is neither [[sand]] nor a [[source]] of it");
+  constexpr std::array<std::string_view, 2> transfers{"flip", "apic"};
+  if (particles.has("transfer") && particles.choice("transfer", transfers) == "apic")
+    scene.settings.transfer = Transfer::apic;
+  scene.settings.reshape = particles.boolean("split_and_merge", scene.settings.reshape);
   particles.finish();
 
   const CheckedTable time = root.table("time");
@@ -161,46 +290,13 @@ Scene read_scene(const std::filesystem::path& file) {
   time.finish();
 
   if (const auto solver = root.optional_table("solver")) {
+    scene.settings.scheme = read_scheme(*solver, scene.settings.scheme);
     scene.settings.projection = read_projection(*solver);
     scene.settings.pic_share = solver->number("pic_share", {0.0, 1.0}, scene.settings.pic_share);
     solver->finish();
   }
   root.finish();
   return scene;
-}
-
-State initial_state(const Scene& scene) {
-  State state{scene.grid, scene.sides, scene.materials, scene.gravity, {}, 0.0, {}, 1.0};
-  std::mt19937_64 random(scene.seed);
-  // Portable: the standard fixes the engine's numbers, not the distributions'.
-  const auto symmetric = [&] { return static_cast<double>(random() >> 11) * 0x1.0p-52 - 1.0; };  // in [-1, 1)
-
-  std::vector<Eigen::Vector3d> positions;
-  std::vector<double> masses;
-  for (const BoxSource& box : scene.boxes) {
-    // A lattice that fills the box exactly, as near to n per cell and axis as whole numbers allow.
-    const Eigen::Vector3d size = box.upper - box.lower;
-    const Eigen::Vector3d count =
-        (size * scene.particles_per_cell / scene.grid.spacing).array().round().max(1.0);
-    const Eigen::Vector3d spacing = size.array() / count.array();
-    const double mass = spacing.prod() * scene.materials[box.material].max_density();
-    for (int k = 0; k < count[2]; ++k) {
-      for (int j = 0; j < count[1]; ++j) {
-        for (int i = 0; i < count[0]; ++i) {
-          Eigen::Vector3d at(i + 0.5, j + 0.5, k + 0.5);
-          for (int axis = 0; axis < 3; ++axis) at[axis] += 0.5 * scene.jitter * symmetric();
-          positions.push_back(box.lower + at.cwiseProduct(spacing));
-          masses.push_back(mass);
-          state.particles.materials.push_back(static_cast<int>(box.material));
-        }
-      }
-    }
-  }
-  const auto n = static_cast<Eigen::Index>(positions.size());
-  state.particles.positions = Eigen::Map<Eigen::Matrix3Xd>(positions.front().data(), 3, n);
-  state.particles.velocities = Eigen::Matrix3Xd::Zero(3, n);
-  state.particles.masses = Eigen::Map<Eigen::ArrayXd>(masses.data(), n);
-  return state;
 }
 
 }  // namespace talus

@@ -9,10 +9,11 @@
 
 namespace talus {
 
-/// A box filled with particles of one material at its packing limit.
-struct BoxSource {
+/// A shape filled with particles of one material at its packing limit, where no wall stands.
+struct Filling {
   std::size_t material;
-  Eigen::Vector3d lower, upper;  // m
+  Shape shape;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, at the start
 };
 
 struct Scene {
@@ -22,7 +23,9 @@ struct Scene {
   DomainSides sides;
   Eigen::Vector3d gravity;
   std::vector<Material> materials;
-  std::vector<BoxSource> boxes;
+  std::vector<Wall> walls;
+  std::vector<Filling> fillings;
+  std::vector<Source> sources;
   int particles_per_cell;  // n^3, a lattice of n per axis
   double jitter;           // of the lattice, as a fraction of its spacing
   std::uint64_t seed;
@@ -34,7 +37,8 @@ struct Scene {
 /// Reads and checks a scene. Throws InputError naming file, line, key, value and what is allowed.
 Scene read_scene(const std::filesystem::path& file);
 
-/// The state at time zero: particles on a jittered lattice in every source.
+/// The state at time zero: particles on a jittered lattice in every filling. Throws InputError when a filling holds no
+/// particle or two of them overlap.
 State initial_state(const Scene& scene);
 
 }  // namespace talus

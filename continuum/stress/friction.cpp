@@ -16,6 +16,27 @@ constexpr double wall_edge_share = 1.0 / 2.0;
 
 }  // namespace
 
+Field confining_pressure(const ActiveRegion& region, const Field& fill, const Field& pressure,
+                         const Field& velocity, double loosening) {
+  Field confining = pressure, compression(region.cell_count() + 1);
+  gradient_transpose(region, velocity, compression);  // - h div v
+  for (int cell = 0; cell < region.cell_count(); ++cell) {
+    if (fill[cell] >= packed_fill || -compression[cell] > loosening) continue;
+    double sum = 0.0;
+    int pressed = 0;
+    for (const int face : region.cell_faces[static_cast<std::size_t>(cell)]) {
+      if (face == region.null_face()) continue;
+      for (const int other : region.face_cells[static_cast<std::size_t>(face)]) {
+        if (other == cell || fill[other] < packed_fill || pressure[other] <= 0.0) continue;
+        sum += pressure[other];
+        ++pressed;
+      }
+    }
+    if (pressed > 0) confining[cell] = std::max(pressure[cell], skin_share * sum / pressed);
+  }
+  return confining;
+}
+
 FrictionOperator::FrictionOperator(const ActiveRegion& region)
     : region_(region), stress_(make_stress_field(region)) {
   edge_of_shear_.reserve(static_cast<std::size_t>(3 * copies_per_cell * region.cell_count()));
@@ -71,6 +92,7 @@ void FrictionOperator::stress_of(const Eigen::ArrayXd& copies, StressField& stre
   for_each_traction(
       [&](Eigen::Index value, int edge) { stress.shear[edge] += wall_edge_share * copies[value]; });
   stress.shear[region_.null_edge()] = 0.0;
+  stress.contact = copies.tail(stress.contact.size());
 }
 
 void FrictionOperator::apply(const Eigen::ArrayXd& copies, Field& impulse) const {
@@ -96,13 +118,15 @@ void FrictionOperator::apply_transpose(const Field& velocity, Eigen::ArrayXd& st
   });
   for_each_traction(
       [&](Eigen::Index value, int edge) { strain[value] = wall_edge_share * stress_.shear[edge]; });
+  strain.tail(stress_.contact.size()) = stress_.contact;
 }
 
 BallBlocks FrictionOperator::blocks(const Field& inverse_mass) const {
   BallBlocks balls;
   balls.size = {components_per_copy, 2};
   balls.count = {copies_per_cell * region_.cell_count(),
-                 copies_per_wall_face * static_cast<Eigen::Index>(region_.wall_faces.size())};
+                 copies_per_wall_face * static_cast<Eigen::Index>(region_.wall_faces.size()) +
+                     copies_per_contact * static_cast<Eigen::Index>(region_.contacts.size())};
   balls.radius = Eigen::ArrayXd::Zero(balls.blocks());
   balls.curvature = Eigen::ArrayXd::Zero(balls.blocks());
   // Copies of one cell, and of one edge, act together; the curvature is that of their joint motion.
@@ -124,6 +148,16 @@ BallBlocks FrictionOperator::blocks(const Field& inverse_mass) const {
     double& curvature = balls.curvature[balls.count[0] + (value - wall_offset()) / 2];
     curvature = std::max(curvature, wall_edge_share * edge_curvature[edge]);
   });
+  // A face is shared by two copies of the contact in either cell beside it.
+  Eigen::Index block =
+      balls.count[0] + copies_per_wall_face * static_cast<Eigen::Index>(region_.wall_faces.size());
+  for (const Contact& contact : region_.contacts) {
+    for (const auto& faces : contact.faces) {
+      for (const int face : faces)
+        balls.curvature[block] = std::max(balls.curvature[block], 2.0 * inverse_mass[face]);
+      ++block;
+    }
+  }
   // A block with nothing to act on has no gradient; any positive curvature will do.
   balls.curvature = (balls.curvature > 0.0).select(balls.curvature, 1.0);
   return balls;
@@ -138,21 +172,39 @@ void FrictionOperator::clear_idle(Eigen::ArrayXd& copies) const {
 }
 
 void set_friction_radii(const ActiveRegion& region, const FrictionOperator& friction,
-                        const Field& cell_friction, const Field& pressure,
+                        const Field& cell_friction, const Field& confining, const Field& pressure,
                         const Eigen::ArrayXd& wall_reaction, const Eigen::ArrayXd& copies,
                         BallBlocks& balls) {
   for (int cell = 0; cell < region.cell_count(); ++cell) {
     balls.radius.segment(copies_per_cell * cell, copies_per_cell) =
-        std::numbers::sqrt2 * cell_friction[cell] * pressure[cell];
+        std::numbers::sqrt2 * cell_friction[cell] * confining[cell] * region.cell_share[cell];
   }
   StressField stress = make_stress_field(region);
   friction.stress_of(copies, stress);
+  const auto wall_friction = [&](double friction_coefficient, int cell) {
+    return friction_coefficient < 0.0 ? cell_friction[cell] : friction_coefficient;
+  };
   for (std::size_t w = 0; w < region.wall_faces.size(); ++w) {
     const WallFace& wall = region.wall_faces[w];
     const auto face = static_cast<Eigen::Index>(w);
-    const double normal = pressure[wall.cell] - stress.diagonal(wall.axis, wall.cell) + wall_reaction[face];
+    const double normal =
+        wall.area * pressure[wall.cell] - stress.diagonal(wall.axis, wall.cell) + wall_reaction[face];
     balls.radius.segment(balls.count[0] + copies_per_wall_face * face, copies_per_wall_face) =
-        wall.friction * std::max(0.0, normal);
+        wall_friction(wall.friction, wall.cell) * std::max(0.0, normal);
+  }
+  if (region.contacts.empty()) return;
+  Field normal_of_cell = Field::Zero(region.cell_count());
+  for (const Contact& contact : region.contacts)
+    normal_of_cell[contact.cell] = contact.area * pressure[contact.cell];
+  for (const Closure& closure : region.closures)
+    normal_of_cell[closure.cell] -= closure.normal_share * stress.diagonal(closure.axis, closure.cell);
+  Eigen::Index block =
+      balls.count[0] + copies_per_wall_face * static_cast<Eigen::Index>(region.wall_faces.size());
+  for (const Contact& contact : region.contacts) {
+    balls.radius.segment(block, copies_per_contact) = wall_friction(contact.friction, contact.cell) *
+                                                      std::max(0.0, normal_of_cell[contact.cell]) /
+                                                      copies_per_contact;
+    block += copies_per_contact;
   }
 }
 

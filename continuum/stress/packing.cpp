@@ -11,22 +11,27 @@ constexpr double largest_displacement_in_cells = 0.25;
 }  // namespace
 
 PackingResult correct_packing(const ActiveRegion& region, std::span<const Material> materials,
-                              const BoundQpSettings& settings, Particles& particles) {
+                              const BoundQpSettings& settings, Particles& particles,
+                              const ProblemRecorder& record) {
   PackingResult result;
   const Field fill = deposit_fill(region, particles, materials);
   result.peak_fill = fill.maxCoeff();
+  result.bulk_volume = minimum_volumes(particles, materials).sum() -
+                       ((fill - 1.0).max(0.0) * region.cell_kernel).sum() * region.grid.cell_volume();
   result.solve.converged = true;
   if (result.peak_fill <= 1.0 + settings.tolerance) return result;
-  const GridState state = deposit(region, particles, materials);
+  const GridState state = deposit(region, particles, materials, Eigen::ArrayXd::Zero(particles.count()));
 
   const double h = region.grid.spacing;
   const Eigen::Index faces = region.open_faces + 1;
   // Displacements in cells: a face's fill stands for its mass.
-  Field inverse_fill =
-      (state.face_volume.head(faces) / region.grid.cell_volume()).max(smallest_face_fill).inverse();
+  Field inverse_fill = (state.face_volume.head(faces) / region.grid.cell_volume())
+                           .max(smallest_face_fill * region.face_kernel)
+                           .inverse();
   inverse_fill[region.null_face()] = 0.0;
   Field correction = Field::Zero(region.cell_count() + 1);
-  result.solve = solve_pressure(region, inverse_fill, Field::Zero(faces), 1.0 - fill, settings, correction);
+  result.solve = solve_pressure(region, inverse_fill, Field::Zero(faces), 1.0 - fill, settings, correction,
+                                record, "packing");
 
   Field displacement = Field::Zero(region.face_count());
   Field open = Field::Zero(faces);

@@ -1,6 +1,6 @@
 #include "continuum/stress/staggered_projections.h"
 
-#include "continuum/stress/friction.h"
+#include "continuum/stress/assemble.h"
 #include "continuum/stress/pressure.h"
 
 namespace talus {
@@ -16,7 +16,9 @@ Field inverse_face_mass(const ActiveRegion& region, const GridState& state) {
   // Same density, at least the smallest fill: mass * max(fill, smallest) / fill.
   Field inverse =
       (state.face_mass.head(faces) > 0.0)
-          .select(fill / (state.face_mass.head(faces) * fill.max(smallest_face_fill)).max(1e-300), 0.0);
+          .select(fill / (state.face_mass.head(faces) * fill.max(smallest_face_fill * region.face_kernel))
+                             .max(1e-300),
+                  0.0);
   inverse[region.null_face()] = 0.0;
   return inverse;
 }
@@ -35,6 +37,15 @@ Eigen::ArrayXd stop_at_walls(const ActiveRegion& region, const GridState& state,
 }
 
 }  // namespace
+
+ProjectionReport& ProjectionReport::operator+=(const ProjectionReport& later) {
+  pressure_iterations += later.pressure_iterations;
+  friction_iterations += later.friction_iterations;
+  cap_hits += later.cap_hits;
+  pressure_residual = later.pressure_residual;
+  friction_residual = later.friction_residual;
+  return *this;
+}
 
 ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt, double velocity_scale,
                          bool cold, const ProjectionSettings& settings, double& lipschitz, Stress& stress,
@@ -61,18 +72,27 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
     impulse.setZero();
     add_gradient(region, stress.pressure, -1.0, impulse);
     without_friction = free_velocity + inverse_mass * impulse;
-    set_friction_radii(region, friction, state.friction, stress.pressure, reaction, stress.copies, balls);
+    const Field confining =
+        confining_pressure(region, state.fill, stress.pressure, free_velocity, velocity_scale);
+    set_friction_radii(region, friction, state.friction, confining, stress.pressure, reaction, stress.copies,
+                       balls);
+    if (settings.record) {
+      settings.record(ConeQp{"friction", sparse_friction(region, friction), mass.head(region.open_faces),
+                             without_friction.head(region.open_faces), balls, stress.copies, lipschitz,
+                             cone});
+    }
     const auto frictional = project_onto_cone(apply, transpose, balls, mass, without_friction, cone,
                                               lipschitz, stress.copies, projected);
 
     friction.apply(stress.copies, impulse);
     without_pressure = free_velocity + inverse_mass * impulse;
-    const auto packed = solve_pressure(region, inverse_mass, without_pressure, room, bound, stress.pressure);
+    const auto packed =
+        solve_pressure(region, inverse_mass, without_pressure, room, bound, stress.pressure, settings.record);
 
     report.friction_iterations += frictional.iterations;
     report.pressure_iterations += packed.iterations;
     report.cap_hits += !frictional.converged + !packed.converged;
-    report.friction_residual = std::sqrt(frictional.gap / mass.sum());
+    report.friction_residual = mass.sum() > 0.0 ? std::sqrt(frictional.gap / mass.sum()) : 0.0;
     report.pressure_residual = packed.residual;
   }
   impulse.setZero();
@@ -84,7 +104,8 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
 Stress zero_stress(const ActiveRegion& region) {
   const auto walls = static_cast<Eigen::Index>(region.wall_faces.size());
   return {Field::Zero(region.cell_count() + 1),
-          Eigen::ArrayXd::Zero(values_per_cell * region.cell_count() + values_per_wall_face * walls)};
+          Eigen::ArrayXd::Zero(values_per_cell * region.cell_count() + values_per_wall_face * walls +
+                               values_per_contact * static_cast<Eigen::Index>(region.contacts.size()))};
 }
 
 Stress carry_over(const ActiveRegion& from, const Stress& stress, const ActiveRegion& to, double dt_ratio) {
@@ -108,7 +129,27 @@ Stress carry_over(const ActiveRegion& from, const Stress& stress, const ActiveRe
           dt_ratio * stress.copies.segment(walls_from + values_per_wall_face * before, values_per_wall_face);
     }
   }
+  const auto contact_values = [](const ActiveRegion& region) {
+    return values_per_contact * static_cast<Eigen::Index>(region.contacts.size());
+  };
+  carry_over_contacts(from, stress.copies.tail(contact_values(from)), to, dt_ratio,
+                      carried.copies.tail(contact_values(to)));
   return carried;
+}
+
+void carry_over_contacts(const ActiveRegion& from, const Eigen::Ref<const Field>& before,
+                         const ActiveRegion& to, double dt_ratio, Eigen::Ref<Field> now) {
+  std::vector<Eigen::Index> contact_of_cell(static_cast<std::size_t>(from.cell_count()), -1);
+  for (std::size_t c = 0; c < from.contacts.size(); ++c)
+    contact_of_cell[static_cast<std::size_t>(from.contacts[c].cell)] = static_cast<Eigen::Index>(c);
+  for (std::size_t c = 0; c < to.contacts.size(); ++c) {
+    const int cell = from.cell_of_dense[static_cast<std::size_t>(
+        to.dense_of_cell[static_cast<std::size_t>(to.contacts[c].cell)])];
+    const Eigen::Index contact = cell < 0 ? -1 : contact_of_cell[static_cast<std::size_t>(cell)];
+    if (contact < 0) continue;
+    now.segment<values_per_contact>(values_per_contact * static_cast<Eigen::Index>(c)) =
+        dt_ratio * before.segment<values_per_contact>(values_per_contact * contact);
+  }
 }
 
 }  // namespace talus

@@ -6,20 +6,21 @@
 // Where this differs from method.md:
 // - a face's mass is bounded below (smallest_face_fill) but not above: an overfull face keeps its inertia;
 // - face velocities are not extrapolated into empty cells; the kernel keeps off them instead (particles/transfer.h);
-// - only the first step counts as cold; a sudden change of contact later on gets the iterations of a warm step, and
-//   there is no coarse (FAS) descent. A solve that this leaves unconverged is counted as a cap hit.
+// - a cell below its packing limit beside packed ones has friction by half of their pressure: the skin (friction.h);
+// - solids that cut cells have no wall face of their own: the sand's whole momentum is on faces that the pressure moves,
+//   so R is 0 there; what the grid lets through is stopped, with its friction, at the particle (particles/collide.h);
+// - the first step, and the one after a gate opens or the domain was empty, count as cold; there is no coarse (FAS) descent. A solve that
+//   this leaves unconverged is counted as a cap hit.
 #pragma once
 
 #include "continuum/particles/transfer.h"
-#include "continuum/qp/cone_projection.h"
-#include "continuum/qp/mprgp.h"
+#include "continuum/qp/problem.h"
+#include "continuum/stress/friction.h"
 
 namespace talus {
 
 /// Least fill that a face's mass is computed with; below it faces would move freely at the slightest stress.
 inline constexpr double smallest_face_fill = 0.1;
-/// Fill above which a cell counts as packed. With none, deposition noise opens holes (method.md, section 3).
-inline constexpr double packed_fill = 0.9;
 
 /// The stress on an active region, as impulses p dt h^2 (N s); the warm start of the next step.
 struct Stress {
@@ -29,10 +30,11 @@ struct Stress {
 
 struct ProjectionSettings {
   int iterations = 2;       // N, of a warm step
-  int cold_iterations = 6;  // of the first step
+  int cold_iterations = 6;  // of the first step, and after a gate opened
   double tolerance = 0.01;  // of both solves, in units of g dt
   int max_pressure_iterations = 2000;
   int max_friction_iterations = 2000;
+  ProblemRecorder record;  // unless empty, is given each problem before it is solved
 };
 
 struct ProjectionReport {
@@ -41,6 +43,9 @@ struct ProjectionReport {
   int cap_hits = 0;                // solves that stopped at their cap, unconverged
   double pressure_residual = 0.0;  // m/s, of the last solve
   double friction_residual = 0.0;  // m/s, sqrt(gap / mass) of the last solve
+
+  /// Adds what another projection cost; residuals are those of the later one.
+  ProjectionReport& operator+=(const ProjectionReport& later);
 };
 
 /// From v* (GridState::velocity with gravity added) to v~ on all faces, in place. `velocity_scale` is g dt,
@@ -49,9 +54,12 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
                          bool cold, const ProjectionSettings& settings, double& lipschitz, Stress& stress,
                          Field& velocity);
 
-/// Carries the stress from one region to the next: cells and wall faces keep their values, new ones start
+/// Carries the stress from one region to the next: cells, wall faces and contacts keep their values, new ones start
 /// from zero, impulses scale with the time step.
 Stress carry_over(const ActiveRegion& from, const Stress& stress, const ActiveRegion& to, double dt_ratio);
 Stress zero_stress(const ActiveRegion& region);
+/// The part of that for the tractions at contacts with solids, values_per_contact each, in the order of the contacts.
+void carry_over_contacts(const ActiveRegion& from, const Eigen::Ref<const Field>& before,
+                         const ActiveRegion& to, double dt_ratio, Eigen::Ref<Field> now);
 
 }  // namespace talus

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
+#include <string_view>
 
 #include "continuum/scene/scene.h"
 
@@ -12,18 +14,32 @@ inline constexpr double gravity = 9.81;
 
 inline double mu_of_deg(double angle) { return std::tan(angle * std::numbers::pi / 180.0); }
 
+/// Fills the box between two corners with a material.
+inline Filling box_of(std::size_t material, const Eigen::Vector3d& lower, const Eigen::Vector3d& upper) {
+  return {material, Shape{Box{0.5 * (lower + upper), 0.5 * (upper - lower)}}};
+}
+
 /// A box of sand of `size` cells at the origin of an empty domain of `cells`; floor and sides open, nothing
 /// periodic.
 inline Scene box_scene(const Eigen::Vector3i& cells, const Eigen::Vector3d& size, double h, double friction) {
   Scene scene{};
   scene.grid = {Eigen::Vector3d::Zero(), h, cells, {false, false, false}};
   scene.gravity = {0.0, 0.0, -gravity};
-  scene.materials = {{"sand", 2500.0, 0.6, friction}};
-  scene.boxes = {{0, Eigen::Vector3d::Zero(), h * size}};
+  scene.materials = {{"sand", 2500.0, 0.6, friction, {}}};
+  scene.fillings = {box_of(0, Eigen::Vector3d::Zero(), h * size)};
   scene.particles_per_cell = 2;
   scene.jitter = 0.0;
   scene.seed = 1;
   return scene;
+}
+
+/// The default settings; with TALUS_TEST_SCHEME=paper in the environment, those with the scheme of the source. That is how
+/// its column in physics/README.md is measured: the tests print their figures, and fail where it fails.
+inline StepSettings step_settings() {
+  StepSettings settings;
+  const char* scheme = std::getenv("TALUS_TEST_SCHEME");
+  if (scheme && std::string_view(scheme) == "paper") settings.scheme = Scheme::paper;
+  return settings;
 }
 
 /// Runs for `duration` seconds; calls observe(state, report) after each step.

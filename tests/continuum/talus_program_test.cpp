@@ -3,9 +3,12 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "analysis/snapshot.h"
 #include "continuum/files/atomic_file.h"
+#include "continuum/io/budget.h"
+#include "continuum/qp/problem_file.h"
 #include "tests/program.h"
 
 namespace talus {
@@ -38,6 +41,98 @@ TEST(TalusProgram, RunsASceneToSnapshotsAndABudget) {
   EXPECT_EQ(run["particles"], 200);
   EXPECT_TRUE(run["provenance"].contains("git_hash"));
   EXPECT_GT(run["budget"]["friction_iterations"], 0);
+}
+
+/// The columns of a budget.csv by name.
+std::map<std::string, std::vector<double>> read_budget(const std::filesystem::path& file) {
+  std::istringstream lines(read_file(file));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line + "\n", Budget::header());
+  std::vector<std::string> names;
+  std::istringstream header(line);
+  for (std::string name; std::getline(header, name, ',');) names.push_back(name);
+  std::map<std::string, std::vector<double>> columns;
+  while (std::getline(lines, line)) {
+    std::istringstream row(line);
+    std::size_t column = 0;
+    for (std::string value; std::getline(row, value, ','); ++column) {
+      std::size_t parsed = 0;
+      columns[names.at(column)].push_back(std::stod(value, &parsed));
+      EXPECT_EQ(parsed, value.size()) << value;
+    }
+    EXPECT_EQ(column, names.size()) << line;
+  }
+  return columns;
+}
+
+TEST(TalusProgram, TheBudgetHasARowAStepThatAgreesWithItsSummary) {
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
+  std::ofstream(folder / "scene.toml") << small_scene("0.045") << "[solver]\nmax_friction_iterations = 30\n";
+  const auto result =
+      run_program({"talus", "run", (folder / "scene.toml").string(), "--output", (folder / "out").string()});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out" / "budget.csv.partial"));
+  auto columns = read_budget(folder / "out" / "budget.csv");
+  const auto budget = nlohmann::json::parse(read_file(folder / "out" / "run.json"))["budget"];
+  const auto sum = [&](const char* name) {
+    return std::accumulate(columns[name].begin(), columns[name].end(), 0.0);
+  };
+  const auto& steps = columns["step"];
+  EXPECT_EQ(budget["steps"], steps.size());
+  for (std::size_t i = 0; i < steps.size(); ++i) EXPECT_EQ(steps[i], static_cast<double>(i + 1));
+  for (const char* name : {"friction_iterations", "pressure_iterations", "packing_iterations", "cap_hits",
+                           "splits", "merges", "mass_left_kg", "mass_added_kg"})
+    EXPECT_EQ(budget[name], sum(name)) << name;
+  EXPECT_GT(sum("cap_hits"), 0.0);  // the cap was set low enough for that
+  EXPECT_NEAR(sum("dt_s"), 0.045, 1e-12);
+  EXPECT_NEAR(columns["time_s"].back(), 0.045, 1e-12);
+  EXPECT_TRUE(std::is_sorted(columns["time_s"].begin(), columns["time_s"].end()));
+  EXPECT_EQ(budget["shortest_step_s"], *std::min_element(columns["dt_s"].begin(), columns["dt_s"].end()));
+  EXPECT_EQ(budget["bulk_volume_m3"], columns["bulk_volume_m3"].back());
+}
+
+TEST(TalusProgram, DumpsTheProblemsOfAStepAndTellsOfOneThatNeverCame) {
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
+  const auto out = folder / "out";
+  std::ofstream(folder / "scene.toml") << small_scene("0.02");
+  std::filesystem::create_directories(out / "qp" / "step_000077");  // an earlier run's
+  const auto result = run_program({"talus", "run", (folder / "scene.toml").string(), "--output", out.string(),
+                                   "--dump-qp", "1", "--dump-qp", "999"});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("no step 999 to dump: the run took steps 0 to "));
+  std::vector<std::string> dumped;
+  for (const auto& step : std::filesystem::directory_iterator(out / "qp"))
+    dumped.push_back(step.path().filename().string());
+  EXPECT_EQ(dumped, std::vector<std::string>{"step_000001"});
+  int problems = 0;
+  for (const auto& file : std::filesystem::directory_iterator(out / "qp" / "step_000001")) {
+    EXPECT_NO_THROW(read_problem(file.path())) << file.path();
+    ++problems;
+  }
+  EXPECT_GE(problems, 4);  // friction and pressure, twice
+  EXPECT_EQ(run_program({"talus", "run", (folder / "scene.toml").string(), "--output", out.string(),
+                         "--dump-qp", "-1"})
+                .exit_code,
+            2);
+}
+
+TEST(TalusProgram, AGateThatOpensWhenAFrameEndsLeavesNoSliverOfAStep) {
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
+  // 3 * 0.0033 is a little less than 0.0099 in binary.
+  std::ofstream(folder / "scene.toml")
+      << testing::replaced(small_scene("0.0165"), "frame_interval_s = 0.01", "frame_interval_s = 0.0033")
+      << "[[wall]]\nrough = true\nopens_at_s = 0.0099\n"
+         "shape = { kind = \"box\", lower_m = [0.05, -1.0, -1.0], upper_m = [0.07, 1.0, 1.0] }\n";
+  const auto result =
+      run_program({"talus", "run", (folder / "scene.toml").string(), "--output", (folder / "out").string()});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  auto columns = read_budget(folder / "out" / "budget.csv");
+  EXPECT_GT(*std::min_element(columns["dt_s"].begin(), columns["dt_s"].end()), 1e-4);
+  EXPECT_EQ(std::count(columns["time_s"].begin(), columns["time_s"].end(), 0.0099), 1);
 }
 
 TEST(TalusProgram, CapsThatAreHitAreToldAndCounted) {
@@ -84,13 +179,18 @@ TEST(TalusProgram, KilledHalfWayLeavesNoSnapshotsUnderTheirFinalName) {
   std::ofstream(folder / "scene.toml") << small_scene("1000.0");
   // What an earlier run left must not pass for this one's.
   std::filesystem::create_directories(folder / "out");
-  for (const char* old : {"snapshots.h5", "run.json"}) std::ofstream(folder / "out" / old) << "old";
+  for (const char* old : {"snapshots.h5", "run.json", "budget.csv"})
+    std::ofstream(folder / "out" / old) << "old";
   const auto result = run_program(
       {"talus", "run", (folder / "scene.toml").string(), "--output", (folder / "out").string()}, 2.0);
   EXPECT_TRUE(result.timed_out);
   EXPECT_TRUE(std::filesystem::exists(folder / "out"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out" / "snapshots.h5"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out" / "run.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out" / "budget.csv"));
+  // What an unfinished run leaves of its budget can be read.
+  const std::string start = Budget::header() + "1,";
+  EXPECT_EQ(read_file(folder / "out" / "budget.csv.partial").substr(0, start.size()), start);
 }
 
 TEST(TalusProgram, SaysWhatItIs) {

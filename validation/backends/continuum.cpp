@@ -57,10 +57,9 @@ grain_density_kg_m3 = {density:.17g}
 max_volume_fraction = {volume_fraction:.17g}
 friction_angle_deg = {friction:.17g}
 
-[[box]]
+[[sand]]
 material = "sand"
-lower_m = [0.0, 0.0, 0.0]
-upper_m = [{column_length:.17g}, {h:.17g}, {column_height:.17g}]
+shape = {{ kind = "box", lower_m = [0.0, 0.0, 0.0], upper_m = [{column_length:.17g}, {h:.17g}, {column_height:.17g}] }}
 
 [particles]
 per_cell_axis = {per_axis}

@@ -76,6 +76,33 @@ TEST_F(CheckedTableTest, WrongTypesAreErrors) {
   EXPECT_THAT(testing::input_error([&] { table.table("a"); }), HasSubstr("must be a table"));
 }
 
+TEST_F(CheckedTableTest, ReadsPairsAndRefusesOthers) {
+  const auto table =
+      parse("a = [[1, 2.5], [3, -4]]\nb = [[1, 2, 3]]\nc = [1, 2]\nd = []\ne = [[1, 'x']]\nf = [[1, nan]]\n");
+  EXPECT_EQ(table.pairs("a"), (std::vector<Eigen::Vector2d>{{1, 2.5}, {3, -4}}));
+  EXPECT_NO_THROW(table.pairs("a", non_negative));
+  EXPECT_THAT(testing::input_error([&] {
+                table.pairs("a", {2.0, 9.0});
+              }),
+              AllOf(HasSubstr("checked_table.toml:1"),
+                    HasSubstr("first number of each pair must be between 2 and 9")));
+  EXPECT_THAT(testing::input_error([&] { table.pairs("a", {}, non_negative); }),
+              HasSubstr("second number of each pair must be at least 0"));
+  EXPECT_THAT(testing::input_error([&] { table.pairs("b"); }), HasSubstr("must be a pair of numbers"));
+  EXPECT_THAT(testing::input_error([&] { table.pairs("c"); }), HasSubstr("must be a pair of numbers"));
+  EXPECT_THAT(testing::input_error([&] { table.pairs("d"); }), HasSubstr("list of pairs"));
+  EXPECT_THAT(testing::input_error([&] { table.pairs("e"); }), HasSubstr("each entry must be a number"));
+  EXPECT_THAT(testing::input_error([&] { table.pairs("f"); }), HasSubstr("any finite number"));
+  EXPECT_THAT(testing::input_error([&] { table.pairs("g"); }), HasSubstr("is missing"));
+}
+
+TEST_F(CheckedTableTest, ReadsTrueAndFalseAndNothingElse) {
+  const auto table = parse("a = true\nb = 1\n");
+  EXPECT_TRUE(table.boolean("a", false));
+  EXPECT_TRUE(table.boolean("absent", true));
+  EXPECT_THAT(testing::input_error([&] { table.boolean("b", false); }), HasSubstr("must be true or false"));
+}
+
 TEST_F(CheckedTableTest, MissingKeysAndTablesAreErrors) {
   const auto table = parse("schema = 2\n");
   EXPECT_THAT(testing::input_error([&] { table.number("h"); }),

@@ -3,42 +3,23 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include <random>
 
 #include "continuum/stress/friction.h"
+#include "tests/continuum/grid/ragged_region.h"
 
 namespace talus {
 namespace {
 
-struct Setting {
-  const char* name;
-  std::array<bool, 3> periodic;
-  Eigen::Vector3i cells;
-};
-
-void PrintTo(const Setting& setting, std::ostream* out) { *out << setting.name; }
-
-class Operators : public ::testing::TestWithParam<Setting> {
+class Operators : public ::testing::TestWithParam<testing::Setting> {
  protected:
-  /// A ragged cloud of particles: active cells with holes, against the walls here and there.
-  ActiveRegion ragged_region() {
-    const Setting& setting = GetParam();
-    const Grid grid{Eigen::Vector3d::Zero(), 0.5, setting.cells, setting.periodic};
-    DomainSides sides;
-    for (auto& axis : sides) axis = {Side{true, 0.4}, Side{true, 0.0}};
-    const int n = grid.cells.prod();
-    Eigen::Matrix3Xd positions(3, n);
-    std::uniform_real_distribution<double> unit(0.0, 1.0);
-    for (int p = 0; p < n; ++p) {
-      for (int axis = 0; axis < 3; ++axis) positions(axis, p) = 0.5 * grid.cells[axis] * unit(random_);
-    }
-    return make_active_region(grid, sides, positions);
-  }
+  ActiveRegion ragged_region() { return testing::ragged_region(GetParam(), random_); }
+  /// The last value is the null entry.
   Field random_field(Eigen::Index n) {
-    std::normal_distribution<double> normal;
-    Field field(n);
-    for (double& value : field) value = normal(random_);
-    field[n - 1] = 0.0;  // the null entry
+    Field field = testing::random_field(n, random_);
+    field[n - 1] = 0.0;
     return field;
   }
   std::mt19937_64 random_{7};
@@ -108,11 +89,36 @@ TEST_P(Operators, EachEdgeIsTouchedByOneCopyOfEachCellAroundIt) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Settings, Operators,
-                         ::testing::Values(Setting{"box", {false, false, false}, {5, 6, 4}},
-                                           Setting{"periodic", {true, true, true}, {4, 6, 4}},
-                                           Setting{"plane_strain", {false, true, false}, {9, 1, 7}}),
-                         [](const auto& instance) { return std::string(instance.param.name); });
+TEST_P(Operators, StressWithinTheSandPushesSolidsAlongTheirNormalsOnly) {
+  // By the transpose: a rigid slip along every wall strains nothing. On one plane that is a uniform velocity.
+  const Grid grid{Eigen::Vector3d::Zero(), 0.5, {8, 8, 8}, {false, false, false}};
+  const Eigen::Vector3d normal = Eigen::Vector3d(1.0, 0.6, 1.7).normalized(), slip = normal.unitOrthogonal();
+  const Openings openings = make_openings(grid, [&](const Eigen::Vector3d& x) {
+    return WallDistance{(x.array() - 1.7).matrix().dot(normal), 0.3};
+  });
+  Eigen::Matrix3Xd positions(3, grid.cells.prod());
+  for (int c = 0; c < grid.cells.prod(); ++c)
+    positions.col(c) = 0.5 * (grid.cell_of_index(c).cast<double>().array() + 0.5).matrix();
+  const ActiveRegion region = make_active_region(grid, {}, positions, openings);
+  ASSERT_GT(region.contacts.size(), 20u);
+  ASSERT_GT(region.closures.size(), 20u);
+  Field velocity = Field::Zero(region.open_faces + 1), divergence = Field::Zero(region.cell_count() + 1);
+  for (int face = 0; face < region.open_faces; ++face)
+    velocity[face] = slip[region.face_axis[static_cast<std::size_t>(face)]];
+  StressField strain = make_stress_field(region);
+  stress_divergence_transpose(region, velocity, strain);
+  gradient_transpose(region, velocity, divergence);
+  const auto inner = [&](int cell) { return region.cell_share[cell] > 0.0; };
+  for (int cell = 0; cell < region.cell_count(); ++cell) {
+    if (!inner(cell)) continue;
+    EXPECT_LT(strain.diagonal.col(cell).abs().maxCoeff(), 1e-12);
+    EXPECT_NEAR(divergence[cell], 0.0, 1e-3);  // but for faces below smallest_opening
+  }
+  EXPECT_LT(strain.shear.head(region.inner_edges).abs().maxCoeff(), 1e-12);
+  EXPECT_GT(strain.contact.abs().maxCoeff(), 0.5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Settings, Operators, testing::ragged_settings, testing::name_of_setting);
 
 }  // namespace
 }  // namespace talus

@@ -54,6 +54,15 @@ TEST(Scene, FillsItsBoxesWithTheRightMassAndTheSeedDecides) {
   EXPECT_LE(c.particles.positions.row(2).maxCoeff(), 0.05);
 }
 
+TEST(Scene, ChoosesTheScheme) {
+  const auto scheme = [](const std::string& solver) { return read(good_scene + solver).settings.scheme; };
+  EXPECT_EQ(scheme(""), Scheme::consistent);
+  EXPECT_EQ(scheme("[solver]\niterations = 2\n"), Scheme::consistent);
+  EXPECT_EQ(scheme("[solver]\nscheme = \"consistent\"\n"), Scheme::consistent);
+  EXPECT_EQ(scheme("[solver]\nscheme = \"paper\"\n"), Scheme::paper);
+  expect_error(good_scene + "[solver]\nscheme = \"papre\"\n", "paper");
+}
+
 TEST(Scene, RefusesWhatCannotBeMeant) {
   expect_error(with("friction_angle_deg = 30.0", "friction_angle_deg = 300.0"), "between 0 and 60");
   expect_error(with("max_volume_fraction = 0.6", "max_volume_fraction = 60"), "between 0.1 and 0.8");
@@ -66,6 +75,235 @@ TEST(Scene, RefusesWhatCannotBeMeant) {
   expect_error(with("frame_interval_s = 0.01", "frame_interval_s = 1e-9"), "more than 1e+06 frames");
   expect_error(with("seed = 3", "sead = 3"), "is missing");
   expect_error(with("jitter = 0.5", "jitter = 0.5\njiter = 1"), "did you mean 'jitter'");
+}
+
+const std::string ramp =
+    "[[wall]]\nshape = { kind = \"plane\", point_m = [0.1, 0.0, 0.0], normal = [-1.0, 0.0, 1.0] }\n"
+    "friction_angle_deg = 45.0\n";
+
+TEST(Scene, ReadsWallsAndGates) {
+  EXPECT_TRUE(read(good_scene).walls.empty());
+  const Scene scene = read(
+      good_scene + ramp +
+      "[[wall]]\nshape = { kind = \"sphere\", centre_m = [0.1, 0.005, 0.0], radius_m = 0.02 }\nrough = true\n"
+      "opens_at_s = 0.25\n");
+  ASSERT_EQ(scene.walls.size(), 2u);
+  EXPECT_NEAR(scene.walls[0].friction, 1.0, 1e-12);
+  EXPECT_TRUE(scene.walls[0].stands_at(1e9));
+  EXPECT_NEAR(signed_distance(scene.walls[0].shape, {0.1, 0.0, 0.02}), 0.02 / std::sqrt(2.0), 1e-12);
+  EXPECT_EQ(scene.walls[1].friction, as_rough_as_sand);
+  EXPECT_EQ(scene.walls[1].opens_at, 0.25);
+  EXPECT_TRUE(initial_state(scene).openings.any());
+
+  expect_error(good_scene + testing::replaced(ramp, "45.0", "75.0"), "between 0 and 60");
+  expect_error(good_scene + testing::replaced(ramp, "friction_angle_deg = 45.0\n", ""),
+               "friction_angle_deg': is missing");
+  expect_error(good_scene + ramp + "rough = true\n", "a rough wall has the sand's");
+  expect_error(good_scene + ramp + "opens_at_s = 0.0\n", "opens_at_s' = 0: must be greater than 0");
+  expect_error(good_scene + ramp + "open_at_s = 1.0\n", "did you mean 'opens_at_s'");
+  expect_error(good_scene + "[[wall]]\nrough = true\n", "shape");
+}
+
+TEST(Scene, RoughSidesOfTheDomain) {
+  const Scene scene = read(with("z_lower = { kind = \"wall\", friction_angle_deg = 45.0 }",
+                                "z_lower = { kind = \"wall\", rough = true }"));
+  EXPECT_TRUE(scene.sides[2][0].wall);
+  EXPECT_EQ(scene.sides[2][0].friction, as_rough_as_sand);
+}
+
+const std::string inlet =
+    "[[source]]\nmaterial = \"sand\"\noutline = \"rectangle\"\nlower_m = [0.0, 0.0, 0.1]\n"
+    "upper_m = [0.05, 0.01, 0.1]\nvelocity_m_s = [0.0, 0.0, -0.5]\n";
+
+TEST(Scene, ReadsSources) {
+  EXPECT_TRUE(read(good_scene).sources.empty());
+  const Source plain = read(good_scene + inlet).sources.at(0);
+  EXPECT_EQ(plain.material, 0);
+  EXPECT_EQ(plain.normal(), 2);
+  EXPECT_EQ(plain.lower, Eigen::Vector3d(0.0, 0.0, 0.1));
+  EXPECT_EQ(plain.upper, Eigen::Vector3d(0.05, 0.01, 0.1));
+  EXPECT_EQ(plain.velocity, Eigen::Vector3d(0.0, 0.0, -0.5));
+  EXPECT_FALSE(plain.round);
+  EXPECT_EQ(plain.fill, 1.0);
+  EXPECT_EQ(plain.start, 0.0);
+  EXPECT_EQ(plain.end, std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(plain.spacing, 0.005, 1e-15);
+  EXPECT_EQ(plain.layers, 0);
+  const Source full = read(good_scene + testing::replaced(inlet, "rectangle", "ellipse") +
+                           "fill = 0.5\nstart_s = 0.1\nend_s = 0.2\n")
+                          .sources.at(0);
+  EXPECT_TRUE(full.round);
+  EXPECT_EQ(full.fill, 0.5);
+  EXPECT_EQ(full.start, 0.1);
+  EXPECT_EQ(full.end, 0.2);
+}
+
+TEST(Scene, RefusesSourcesThatCannotBeMeant) {
+  const auto refused = [](const std::string& from, const std::string& to, const std::string& why) {
+    expect_error(good_scene + testing::replaced(inlet, from, to), why);
+  };
+  refused("upper_m = [0.05, 0.01, 0.1]", "upper_m = [0.05, 0.01, 0.11]", "must equal lower_m along one axis");
+  refused("upper_m = [0.05, 0.01, 0.1]", "upper_m = [0.05, 0.0, 0.1]", "must equal lower_m along one axis");
+  refused("upper_m = [0.05, 0.01, 0.1]", "upper_m = [-0.05, 0.01, 0.1]", "lie above it along the others");
+  refused("upper_m = [0.05, 0.01, 0.1]", "upper_m = [0.5, 0.01, 0.1]", "must lie inside the domain");
+  refused("[0.0, 0.0, -0.5]", "[0.5, 0.0, 0.0]", "must not be 0 along the inlet's normal");
+  refused("\"rectangle\"", "\"square\"", "rectangle");
+  refused("outline = \"rectangle\"\n", "", "outline': is missing");
+  refused("material = \"sand\"", "material = \"salt\"", "names no [[material]]");
+  expect_error(good_scene + inlet + "fill = 1.2\n", "between 0.01 and 1");
+  expect_error(good_scene + inlet + "fill = 0.0\n", "between 0.01 and 1");
+  expect_error(good_scene + inlet + "start_s = -1.0\n", "start_s");
+  expect_error(good_scene + inlet + "start_s = 2.0\nend_s = 2.0\n", "must come after start_s");
+  expect_error(good_scene + inlet + "stop_s = 2.0\n", "stop_s");
+}
+
+std::string without_sand() {
+  const auto from = good_scene.find("[[sand]]"), to = good_scene.find("[particles]");
+  return std::string(good_scene).erase(from, to - from);
+}
+
+TEST(Scene, NeedsSandOrASourceOfIt) {
+  expect_error(without_sand(), "there is neither [[sand]] nor a [[source]] of it");
+  EXPECT_EQ(initial_state(read(without_sand() + inlet)).particles.count(), 0);
+}
+
+TEST(Scene, ReadsRateDependence) {
+  const std::string rate =
+      "friction_angle_deg = 30.0\nrate_dependence = { fast_friction_angle_deg = 40.0, inertial_number = 0.3, "
+      "grain_diameter_m = 0.001 }";
+  const auto dependent = [&](const std::string& from, const std::string& to) {
+    return with("friction_angle_deg = 30.0", testing::replaced(rate, from, to));
+  };
+  const Material sand = read(dependent("40.0", "40.0")).materials[0];
+  EXPECT_NEAR(sand.rate.fast_friction, std::tan(40.0 * M_PI / 180.0), 1e-12);
+  EXPECT_EQ(sand.rate.inertial_number, 0.3);
+  EXPECT_EQ(sand.rate.grain_diameter, 0.001);
+  EXPECT_EQ(read(good_scene).materials[0].rate.inertial_number, 0.0);
+  expect_error(dependent("40.0", "29.0"), "fast_friction_angle_deg' = 29: must be between 30 and 60");
+  expect_error(dependent("40.0", "61.0"), "and 60");
+  expect_error(dependent("inertial_number = 0.3", "inertial_number = 0.0"), "greater than 0");
+  expect_error(dependent("grain_diameter_m = 0.001", "grain_diameter_m = 0.0"), "greater than 0");
+  expect_error(dependent(", inertial_number = 0.3", ""), "inertial_number': is missing");
+  // The same angle is friction that does not depend on the rate.
+  for (int angle = 20; angle < 50; ++angle)
+    EXPECT_NO_THROW(read(with("friction_angle_deg = 30.0",
+                              testing::replaced(testing::replaced(rate, "30.0", std::to_string(angle)),
+                                                "40.0", std::to_string(angle)))));
+}
+
+TEST(Scene, ChoosesTransferAndReshaping) {
+  const auto settings = [](const std::string& more) {
+    return read(with("jitter = 0.5", "jitter = 0.5\n" + more)).settings;
+  };
+  EXPECT_EQ(settings("").transfer, Transfer::flip);
+  EXPECT_TRUE(settings("").reshape);
+  EXPECT_EQ(settings("transfer = \"flip\"").transfer, Transfer::flip);
+  EXPECT_EQ(settings("transfer = \"apic\"").transfer, Transfer::apic);
+  EXPECT_FALSE(settings("split_and_merge = false").reshape);
+  expect_error(with("jitter = 0.5", "jitter = 0.5\ntransfer = \"pic\""), "apic");
+  expect_error(with("jitter = 0.5", "jitter = 0.5\nsplit_and_merge = 1"), "split_and_merge");
+}
+
+TEST(Scene, MaterialsGoByTheirNames) {
+  const std::string second =
+      "[[material]]\nname = \"salt\"\ngrain_density_kg_m3 = 1000.0\nmax_volume_fraction = 0.5\n"
+      "friction_angle_deg = 20.0\n[[sand]]\nmaterial = \"salt\"\nshape = { kind = \"box\", lower_m = [0.1, "
+      "0.0, 0.0], "
+      "upper_m = [0.12, 0.01, 0.03] }\nvelocity_m_s = [1.0, 0.0, -2.0]\n";
+  const Scene scene = read(good_scene + second + testing::replaced(inlet, "\"sand\"", "\"salt\""));
+  ASSERT_EQ(scene.materials.size(), 2u);
+  EXPECT_EQ(scene.fillings[0].material, 0u);
+  EXPECT_EQ(scene.fillings[1].material, 1u);
+  EXPECT_EQ(scene.sources[0].material, 1);
+  const Particles particles = initial_state(scene).particles;
+  double salt = 0.0;
+  for (Eigen::Index p = 0; p < particles.count(); ++p) {
+    const bool is_salt = particles.materials[static_cast<std::size_t>(p)] == 1;
+    EXPECT_EQ(is_salt, particles.positions(0, p) > 0.08);
+    EXPECT_EQ(particles.velocities.col(p),
+              is_salt ? Eigen::Vector3d(1.0, 0.0, -2.0) : Eigen::Vector3d::Zero());
+    salt += is_salt ? particles.masses[p] : 0.0;
+  }
+  EXPECT_NEAR(salt, 500.0 * 0.02 * 0.01 * 0.03, 1e-12);
+}
+
+TEST(Scene, SandMustLieInsideTheDomain) {
+  const auto shaped = [](const std::string& shape) {
+    return with("shape = { kind = \"box\", lower_m = [0.0, 0.0, 0.0], upper_m = [0.05, 0.01, 0.05] }",
+                "shape = " + shape);
+  };
+  expect_error(shaped("{ kind = \"sphere\", centre_m = [0.05, 0.005, 0.05], radius_m = 0.006 }"),
+               "inside the domain");
+  EXPECT_NO_THROW(read(shaped("{ kind = \"sphere\", centre_m = [0.05, 0.005, 0.05], radius_m = 0.005 }")));
+  expect_error(shaped("{ kind = \"plane\", point_m = [0, 0, 0.05], normal = [0, 0, 1] }"),
+               "inside the domain");
+  expect_error(
+      shaped("{ kind = \"box\", lower_m = [0.0, 0.0, 0.0], upper_m = [0.05, 0.01, 0.05], hollow = true }"),
+      "inside the domain");
+}
+
+TEST(Scene, SandLeavesOutWhatIsInWalls) {
+  // A container that is smaller than the filling, and a ball in it.
+  const Scene scene = read(good_scene +
+                           "[[wall]]\nrough = true\nshape = { kind = \"box\", lower_m = [0.01, -1.0, 0.01], "
+                           "upper_m = [0.04, 1.0, 0.2], "
+                           "hollow = true }\n"
+                           "[[wall]]\nrough = true\nshape = { kind = \"sphere\", centre_m = [0.025, 0.005, "
+                           "0.03], radius_m = 0.01 }\n");
+  const Particles particles = initial_state(scene).particles;
+  EXPECT_GE(particles.positions.row(0).minCoeff(), 0.01);
+  EXPECT_LE(particles.positions.row(0).maxCoeff(), 0.04);
+  EXPECT_GE(particles.positions.row(2).minCoeff(), 0.01);
+  EXPECT_GE((particles.positions.colwise() - Eigen::Vector3d(0.025, 0.005, 0.03)).colwise().norm().minCoeff(),
+            0.01);
+  // 3 x 4 cells of 8 particles less the ball's, give or take those that jitter moved across.
+  EXPECT_NEAR(static_cast<double>(particles.count()), 96.0 - 8.0 * 2.9, 10.0);
+}
+
+TEST(Scene, OursCanAllBeRead) {
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(TALUS_SOURCE_DIR "/continuum/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    EXPECT_NO_THROW(read_scene(entry.path())) << entry.path();
+    ++scenes;
+  }
+  EXPECT_GE(scenes, 4);
+}
+
+TEST(Scene, RefusesWallsThatTheGridCannotSeeOrThatDifferAtPeriodicEnds) {
+  const auto walled = [&](const std::string& shape) {
+    return testing::replaced(good_scene, "[particles]",
+                             "[[wall]]\nrough = true\nshape = " + shape + "\n[particles]");
+  };
+  expect_error(walled("{ kind = \"box\", lower_m = [-1.0, -1.0, 0.081], upper_m = [1.0, 1.0, 0.089] }"),
+               "is thinner than a cell");
+  EXPECT_NO_THROW(
+      read(walled("{ kind = \"box\", lower_m = [-1.0, -1.0, 0.08], upper_m = [1.0, 1.0, 0.09] }")));
+  expect_error(walled("{ kind = \"sphere\", centre_m = [0.15, 0.0, 0.05], radius_m = 0.02 }"),
+               "the same at both ends of the periodic y axis");
+}
+
+TEST(Scene, RefusesSandThatCannotBeMeant) {
+  const std::string again =
+      "[[sand]]\nmaterial = \"sand\"\nshape = { kind = \"box\", lower_m = [0.04, 0.0, 0.0], upper_m = ";
+  const auto state_of = [&](const std::string& text) { initial_state(read(text)); };
+  EXPECT_THAT(
+      testing::input_error([&] {
+        state_of(testing::replaced(good_scene, "[particles]", again + "[0.1, 0.01, 0.05] }\n[particles]"));
+      }),
+      HasSubstr("two [[sand]] shapes overlap"));
+  EXPECT_THAT(testing::input_error([&] {
+                state_of(testing::replaced(
+                    good_scene, "[particles]",
+                    "[[wall]]\nrough = true\nshape = { kind = \"plane\", point_m = [0.0, 0.0, 0.07], "
+                    "normal = [0.0, 0.0, 1.0] }\n[particles]"));
+              }),
+              HasSubstr("holds no particle"));
+  expect_error(
+      testing::replaced(good_scene, "[[sand]]",
+                        "[[material]]\nname = \"sand\"\ngrain_density_kg_m3 = 1.0\nmax_volume_fraction = "
+                        "0.6\nfriction_angle_deg = 20.0\n[[sand]]"),
+      "is there twice");
 }
 
 }  // namespace

@@ -27,7 +27,8 @@ TEST(WallFriction, IsBoundedByTheNormalStressAndTheReactionNotByThePressure) {
     copies[components_per_copy * copy] = 4.0;
   const Field pressure = Field::Constant(region.cell_count() + 1, 10.0);
   const Field mu = Field::Constant(region.cell_count() + 1, 0.5);
-  set_friction_radii(region, friction, mu, pressure, Eigen::ArrayXd::Constant(3, 2.0), copies, balls);
+  set_friction_radii(region, friction, mu, pressure, pressure, Eigen::ArrayXd::Constant(3, 2.0), copies,
+                     balls);
   EXPECT_NEAR(balls.radius[0], std::sqrt(2.0) * 0.5 * 10.0, 1e-12);
   EXPECT_NEAR(balls.radius[balls.count[0]], 0.3 * (10.0 + 4.0 / std::sqrt(2.0) + 2.0), 1e-12);
 }

@@ -1,0 +1,99 @@
+// The halves of reshape.h: particles that are too long split.
+#include <Eigen/Dense>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "continuum/particles/reshape.h"
+
+namespace talus {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double offset_share = 3.0 / 4.0;  // 5 d^2 / a^2: halves the semi-axis a
+
+/// d e for a particle of semi-axis above `longest`; none for others, or for a shape that is not finite.
+std::optional<Vector3d> offset_of_halves(const Matrix3d& shape, double longest) {
+  // The norm is no less than the largest eigenvalue, and spares most particles the search for it.
+  if (!(shape.norm() > longest * longest) || !shape.allFinite()) return std::nullopt;
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(shape);
+  const double square = eigen.eigenvalues()[2];
+  if (!(square > longest * longest)) return std::nullopt;
+  Vector3d axis = eigen.eigenvectors().col(2);
+  Index largest = 0;
+  axis.cwiseAbs().maxCoeff(&largest);
+  if (axis[largest] < 0.0) axis = -axis;  // the solver leaves the sign open
+  return std::sqrt(offset_share / 5.0 * square) * axis;
+}
+
+struct Halves {
+  Index parent;
+  Vector3d offset;  // d e, m
+};
+
+void write_halves(const Halves& halves, const Grid& grid, Index added, Particles& particles) {
+  const auto& [parent, offset] = halves;
+  particles.masses[parent] *= 0.5;
+  set_shape_matrix(shape_matrix(particles, parent) - 5.0 * offset * offset.transpose(), particles, parent);
+  particles.copy(parent, added);
+  const Vector3d centre = particles.positions.col(parent);
+  const Vector3d difference = particles.gradients.col(parent).reshaped<Eigen::ColMajor>(3, 3) * offset;
+  particles.positions.col(parent) = grid.wrapped_position(centre + offset);
+  particles.positions.col(added) = grid.wrapped_position(centre - offset);
+  particles.velocities.col(parent) += difference;
+  particles.velocities.col(added) -= difference;
+}
+
+}  // namespace
+
+SplitReport split(const Grid& grid, std::span<const Material> materials, const Allowed& allowed,
+                  const ReshapeRules& rules, Particles& particles) {
+  SplitReport report;
+  const double longest = rules.split_semi_axis * grid.spacing;
+  const auto has_room = [&](const Vector3d& position) {
+    const Vector3d inside = grid.wrapped_position(position);
+    return grid.contains(inside) && allowed(inside);
+  };
+  const auto too_light = [&](Index p) {
+    const auto material = static_cast<std::size_t>(particles.materials[static_cast<std::size_t>(p)]);
+    const double full = materials[material].max_density() * grid.cell_volume();
+    return 0.5 * particles.masses[p] < rules.smallest_split_mass * full * (1.0 - 1e-9);
+  };
+
+  std::vector<Index> candidates(static_cast<std::size_t>(particles.count()));
+  std::iota(candidates.begin(), candidates.end(), Index{0});
+  for (int round = 0; round < most_split_rounds && !candidates.empty(); ++round) {
+    std::vector<Halves> halved;
+    for (const Index p : candidates) {
+      const auto offset = offset_of_halves(shape_matrix(particles, p), longest);
+      if (!offset) continue;
+      const Vector3d centre = particles.positions.col(p);
+      if (too_light(p)) {
+        ++report.too_light;
+      } else if (!has_room(centre + *offset) || !has_room(centre - *offset)) {
+        ++report.put_off;
+      } else {
+        halved.push_back({p, *offset});
+      }
+    }
+    candidates.clear();
+    if (halved.empty()) break;
+    Index added = particles.count();
+    particles.resize(added + static_cast<Index>(halved.size()));
+    for (const Halves& halves : halved) {
+      write_halves(halves, grid, added, particles);
+      candidates.insert(candidates.end(), {halves.parent, added});
+      ++added;
+    }
+    report.splits += static_cast<Index>(halved.size());
+  }
+  for (const Index p : candidates) {
+    if (offset_of_halves(shape_matrix(particles, p), longest)) ++report.unfinished;
+  }
+  return report;
+}
+
+}  // namespace talus

@@ -1,0 +1,104 @@
+#include "continuum/scene/read_shape.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace talus {
+namespace {
+
+using Geometry = decltype(Shape::geometry);
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+Eigen::Vector3d direction(const CheckedTable& table, std::string_view key) {
+  const Eigen::Vector3d given = table.vector(key);
+  const double length = given.stableNorm();
+  if (!std::isnormal(length)) throw table.error(key, "must be a direction, such as [0, 0, 1]");
+  return given / length;
+}
+
+Geometry read_plane(const CheckedTable& table) {
+  return Plane{table.vector("point_m"), direction(table, "normal")};
+}
+
+Geometry read_box(const CheckedTable& table) {
+  const Eigen::Vector3d lower = table.vector("lower_m"), upper = table.vector("upper_m");
+  if ((lower.array() >= upper.array()).any())
+    throw table.error("upper_m", "must lie above lower_m along every axis");
+  Box box{0.5 * (lower + upper), 0.5 * (upper - lower)};
+  const bool has_axis = table.has("rotation_axis"), has_angle = table.has("rotation_angle_deg");
+  if (has_axis || has_angle) {
+    const Eigen::Vector3d axis = direction(table, "rotation_axis");
+    const double angle = radians(table.number("rotation_angle_deg", {-360.0, 360.0}));
+    box.rotation = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+  }
+  return box;
+}
+
+Geometry read_sphere(const CheckedTable& table) {
+  return Sphere{table.vector("centre_m"), table.number("radius_m", positive)};
+}
+
+Geometry read_cylinder(const CheckedTable& table) {
+  return cylinder(table.vector("base_m"), direction(table, "axis"), table.number("radius_m", positive),
+                  table.number("height_m", positive));
+}
+
+Geometry read_cone(const CheckedTable& table) {
+  const double base_radius = table.number("base_radius_m", non_negative);
+  const double top_radius = table.number("top_radius_m", base_radius > 0.0 ? non_negative : positive);
+  return cone(table.vector("base_m"), direction(table, "axis"), base_radius, top_radius,
+              table.number("height_m", positive));
+}
+
+Geometry read_hourglass(const CheckedTable& table) {
+  HourglassSize size{};
+  size.bulb_radius = table.number("bulb_radius_m", positive);
+  size.bulb_height = table.number("bulb_height_m", non_negative);
+  size.neck_radius = table.number("neck_radius_m", positive);
+  if (size.neck_radius >= size.bulb_radius)
+    throw table.error("neck_radius_m", "must be less than bulb_radius_m");
+  size.neck_length = table.number("neck_length_m", non_negative);
+  size.cone_half_angle = radians(table.number("cone_half_angle_deg", {1.0, 89.0}));
+  return hourglass(table.vector("base_m"), direction(table, "axis"), size);
+}
+
+Geometry read_profile(const CheckedTable& table) {
+  auto points = table.pairs("points_m", non_negative);
+  if (const auto fault = profile_fault(points)) throw table.error("points_m", *fault);
+  return Revolved{table.vector("base_m"), direction(table, "axis"), std::move(points)};
+}
+
+Geometry read_mesh_file(const CheckedTable& table) {
+  const auto file = table.file().parent_path() / table.string("file");
+  const double scale = table.number("scale", positive, 1.0);
+  const Eigen::Vector3d offset =
+      table.has("offset_m") ? table.vector("offset_m") : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  try {
+    return read_mesh(file, scale, offset);
+  } catch (const InputError& error) {
+    throw table.error("file", error.what());
+  }
+}
+
+constexpr std::array<std::string_view, 8> kinds{"plane", "box",       "sphere",  "cylinder",
+                                                "cone",  "hourglass", "profile", "mesh"};
+constexpr std::array<Geometry (*)(const CheckedTable&), kinds.size()> readers{
+    read_plane, read_box,       read_sphere,  read_cylinder,
+    read_cone,  read_hourglass, read_profile, read_mesh_file};
+
+}  // namespace
+
+Shape read_shape(const CheckedTable& table) {
+  const std::string kind = table.choice("kind", kinds);
+  const auto which = std::find(kinds.begin(), kinds.end(), kind) - kinds.begin();
+  Shape shape{readers[static_cast<std::size_t>(which)](table)};
+  if (kind != "plane") shape.hollow = table.boolean("hollow", false);
+  table.finish();
+  return shape;
+}
+
+}  // namespace talus

@@ -1,0 +1,215 @@
+#include "continuum/solids/mesh.h"
+
+// With sanitizers, g++ 12 suspects an empty boost::optional in CGAL.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
+#include <CGAL/AABB_face_graph_triangle_primitive.h>
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
+#include <CGAL/Polygon_mesh_processing/orientation.h>
+#include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
+#include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <CGAL/Side_of_triangle_mesh.h>
+#include <CGAL/Surface_mesh.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cctype>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "continuum/files/input_error.h"
+
+namespace talus {
+namespace {
+
+namespace processing = CGAL::Polygon_mesh_processing;
+// The sign is exact; distances are rounded.
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_3;
+using Surface = CGAL::Surface_mesh<Point>;
+using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_face_graph_triangle_primitive<Surface>>>;
+
+/// Triangles as files have them: nobody knows yet which are neighbours.
+struct Soup {
+  std::vector<Point> points;
+  std::vector<std::array<std::size_t, 3>> triangles;
+};
+
+InputError fault(const std::filesystem::path& file, std::string_view why) {
+  return InputError(fmt::format("{}: {}", file.string(), why));
+}
+
+Soup read_soup(const std::filesystem::path& file, double scale, const Eigen::Vector3d& offset) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension != ".stl" && extension != ".obj")
+    throw fault(file, "is no mesh that can be read here; give an .stl or .obj file");
+  if (!std::filesystem::is_regular_file(file))
+    throw fault(file, "no such file; give the path of an .stl or .obj file");
+
+  Assimp::Importer importer;
+  const aiScene* const scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
+  if (!scene) {
+    throw fault(file, fmt::format("cannot be read as a mesh ({}); export it again as STL or OBJ",
+                                  importer.GetErrorString()));
+  }
+  Soup soup;
+  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+    const aiMesh& part = *scene->mMeshes[m];
+    const std::size_t first = soup.points.size();
+    for (unsigned v = 0; v < part.mNumVertices; ++v) {
+      const aiVector3D& vertex = part.mVertices[v];
+      const Eigen::Vector3d at = scale * Eigen::Vector3d(vertex.x, vertex.y, vertex.z) + offset;
+      if (!at.allFinite()) {
+        throw fault(file,
+                    fmt::format("has a vertex at ({}, {}, {}); every coordinate must be finite, also after "
+                                "scale and offset; mend the file",
+                                vertex.x, vertex.y, vertex.z));
+      }
+      soup.points.emplace_back(at[0], at[1], at[2]);
+    }
+    for (unsigned f = 0; f < part.mNumFaces; ++f) {
+      const aiFace& face = part.mFaces[f];
+      if (face.mNumIndices != 3)
+        throw fault(file, "has lines or points beside its triangles; export the surface alone");
+      soup.triangles.push_back(
+          {first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
+    }
+  }
+  return soup;
+}
+
+void join_vertices(Soup& soup) {
+  processing::merge_duplicate_points_in_polygon_soup(soup.points, soup.triangles);
+  std::erase_if(soup.triangles, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+}
+
+void require_area(const std::filesystem::path& file, const Soup& soup) {
+  const auto flat = std::count_if(soup.triangles.begin(), soup.triangles.end(), [&](const auto& t) {
+    return CGAL::collinear(soup.points[t[0]], soup.points[t[1]], soup.points[t[2]]);
+  });
+  if (flat == static_cast<std::ptrdiff_t>(soup.triangles.size()))
+    throw fault(file, "has no triangle with an area; give a surface that encloses the solid");
+  if (flat > 0) {
+    throw fault(file,
+                fmt::format("has {} triangle(s) whose three corners lie on one line; remove them in a mesh "
+                            "editor, joining the edges they lie between",
+                            flat));
+  }
+}
+
+/// Every edge must belong to two triangles that pass it in opposite directions.
+void require_closed_manifold(const std::filesystem::path& file, const Soup& soup) {
+  std::map<std::pair<std::size_t, std::size_t>, std::array<int, 2>> edges;  // uses upwards, downwards
+  for (const auto& triangle : soup.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t from = triangle[i], to = triangle[(i + 1) % 3];
+      ++edges[std::minmax(from, to)][from < to ? 0 : 1];
+    }
+  }
+  std::size_t open = 0, crowded = 0, opposed = 0;
+  for (const auto& [ends, uses] : edges) {
+    const int total = uses[0] + uses[1];
+    if (total == 1)
+      ++open;
+    else if (total > 2)
+      ++crowded;
+    else if (uses[0] != uses[1])
+      ++opposed;
+  }
+  if (crowded > 0) {
+    throw fault(file,
+                fmt::format("is not manifold: {} edge(s) belong to more than two triangles; remove inner and "
+                            "doubled faces in a mesh editor",
+                            crowded));
+  }
+  if (open > 0) {
+    throw fault(file,
+                fmt::format("is not closed: {} edge(s) belong to one triangle only; join vertices and fill "
+                            "holes in a mesh editor",
+                            open));
+  }
+  if (opposed > 0) {
+    throw fault(file,
+                fmt::format("has triangles that face opposite ways across {} edge(s); make all normals point "
+                            "out of the solid in a mesh editor",
+                            opposed));
+  }
+  if (!processing::is_polygon_soup_a_polygon_mesh(soup.triangles)) {
+    throw fault(
+        file,
+        "is not manifold: parts of the surface touch in a vertex; move them apart or join them by faces");
+  }
+}
+
+void require_solid(const std::filesystem::path& file, const Surface& surface) {
+  if (processing::does_self_intersect(surface)) {
+    throw fault(file,
+                "intersects itself; unite overlapping parts (a boolean union) in a mesh editor, so that one "
+                "surface encloses the solid");
+  }
+  // The first alone would also pass a surface that is inside out as a whole.
+  if (!processing::does_bound_a_volume(surface) || processing::volume(surface) <= 0.0) {
+    throw fault(
+        file,
+        "is oriented inside out, whole or in part; flip the triangles so that all normals point out of "
+        "the solid (into its cavities, if it has any)");
+  }
+}
+
+Point to_point(const Eigen::Vector3d& at) { return {at[0], at[1], at[2]}; }
+
+}  // namespace
+
+struct MeshSurface {
+  explicit MeshSurface(Surface sound)
+      : surface(std::move(sound)),
+        tree(faces(surface).begin(), faces(surface).end(), surface),
+        side_of(tree) {
+    tree.build();
+    tree.accelerate_distance_queries();  // now, so that queries change nothing
+  }
+  MeshSurface(const MeshSurface&) = delete;  // the tree points to the surface
+  MeshSurface& operator=(const MeshSurface&) = delete;
+
+  Surface surface;
+  Tree tree;
+  CGAL::Side_of_triangle_mesh<Surface, Kernel> side_of;
+};
+
+Mesh read_mesh(const std::filesystem::path& file, double scale, const Eigen::Vector3d& offset) {
+  Soup soup = read_soup(file, scale, offset);
+  join_vertices(soup);
+  require_area(file, soup);
+  require_closed_manifold(file, soup);
+  Surface surface;
+  processing::polygon_soup_to_polygon_mesh(soup.points, soup.triangles, surface);
+  require_solid(file, surface);
+  return {std::make_shared<const MeshSurface>(std::move(surface))};
+}
+
+double signed_distance(const Mesh& mesh, const Eigen::Vector3d& point) {
+  const Point at = to_point(point);
+  const double distance = std::sqrt(mesh.surface->tree.squared_distance(at));
+  return mesh.surface->side_of(at) == CGAL::ON_BOUNDED_SIDE ? -distance : distance;
+}
+
+Eigen::AlignedBox3d bounds(const Mesh& mesh) {
+  const auto box = mesh.surface->tree.bbox();
+  return {Eigen::Vector3d(box.xmin(), box.ymin(), box.zmin()),
+          Eigen::Vector3d(box.xmax(), box.ymax(), box.zmax())};
+}
+
+}  // namespace talus

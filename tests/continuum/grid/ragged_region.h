@@ -1,0 +1,58 @@
+// Active regions with everything an operator can meet: holes, walls with and without friction, periodic axes.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <random>
+
+#include "continuum/grid/operators.h"
+
+namespace talus::testing {
+
+struct Setting {
+  const char* name;
+  std::array<bool, 3> periodic;
+  Eigen::Vector3i cells;
+  bool solids = false;  // a slope and a ball, with friction
+};
+
+inline void PrintTo(const Setting& setting, std::ostream* out) { *out << setting.name; }
+
+inline Field random_field(Eigen::Index n, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  return Field::NullaryExpr(n, [&] { return normal(random); });
+}
+
+/// A ragged cloud of particles: active cells with holes, against the walls here and there.
+inline ActiveRegion ragged_region(const Setting& setting, std::mt19937_64& random) {
+  const Grid grid{Eigen::Vector3d::Zero(), 0.5, setting.cells, setting.periodic};
+  DomainSides sides;
+  for (auto& axis : sides) axis = {Side{true, 0.4}, Side{true, 0.0}};
+  const int n = grid.cells.prod();
+  Eigen::Matrix3Xd positions(3, n);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int p = 0; p < n; ++p) {
+    for (int axis = 0; axis < 3; ++axis) positions(axis, p) = 0.5 * grid.cells[axis] * unit(random);
+  }
+  if (!setting.solids) return make_active_region(grid, sides, positions);
+  const Eigen::Vector3d middle = 0.25 * grid.cells.cast<double>(),
+                        uphill = Eigen::Vector3d(1.0, 0.7, 2.0).normalized();
+  return make_active_region(grid, sides, positions, make_openings(grid, [&](const Eigen::Vector3d& x) {
+                              const double slope = (x - 0.6 * middle).dot(uphill),
+                                           ball = (x - 1.4 * middle).norm() - 0.6;
+                              return WallDistance{std::min(slope, ball), 0.3};
+                            }));
+}
+
+inline const auto ragged_settings = ::testing::Values(
+    Setting{"box", {false, false, false}, {5, 6, 4}}, Setting{"periodic", {true, true, true}, {4, 6, 4}},
+    Setting{"plane_strain", {false, true, false}, {9, 1, 7}},
+    Setting{"solids", {false, false, false}, {7, 6, 6}, true},
+    Setting{"slope", {false, true, false}, {9, 1, 9}, true});
+
+inline std::string name_of_setting(const ::testing::TestParamInfo<Setting>& instance) {
+  return instance.param.name;
+}
+
+}  // namespace talus::testing

@@ -1,0 +1,34 @@
+// The quadratic programs of a column collapse under way, made from the solver's own pieces.
+#pragma once
+
+#include <random>
+
+#include "continuum/qp/problem.h"
+#include "continuum/stress/staggered_projections.h"
+
+namespace talus::testing {
+
+/// A moment of a collapse, as the stress solves meet it. Face fields are of the open faces, without the null entry.
+struct CollapseMoment {
+  ActiveRegion region;
+  GridState grid;
+  Stress stress;       // the warm start
+  Field inverse_mass;  // of faces, 1/kg
+  Field velocity;      // v* of faces, m/s
+  double dt;           // s
+};
+
+/// `cells` is the size of the column, in a domain three times as long; one cell across means plane strain.
+CollapseMoment collapse_moment(const Eigen::Vector3i& cells, int steps);
+
+/// What solve_pressure solves, with `velocity` on the faces. The tolerance is that of a run.
+BoundQp pressure_problem(const CollapseMoment& moment, const Field& velocity);
+/// What correct_packing solves, where particles are crowded at random so that fills are 0.8 to 1.6.
+BoundQp packing_problem(const CollapseMoment& moment, std::mt19937_64& random);
+/// One component of the shear stress, on the edges along `axis`, as the literal scheme has it (method.md, section 3):
+/// two-sided bounds of mu times the mean pressure around the edge.
+BoundQp shear_problem(const CollapseMoment& moment, int axis);
+/// What project solves for the friction stress.
+ConeQp friction_problem(const CollapseMoment& moment);
+
+}  // namespace talus::testing
