@@ -213,5 +213,31 @@ TEST(RateDependentFriction, ALayerOnARoughInclineAcceleratesLess) {
   EXPECT_LT(dependent, 0.7 * constant);
 }
 
+TEST(StepBesideWalls, NothingIsLostOverAPeriodicSeam) {
+  Scene scene = testing::box_scene({10, 10, 6}, {10.0, 10.0, 5.0}, 0.01, 0.5);
+  scene.grid.periodic = {true, true, false};
+  scene.sides[2] = {Side{true, 0.5}, Side{true, 0.5}};
+  // Two halves of one ball, either side of the seam.
+  for (const double x : {0.0, 0.1}) scene.walls.push_back({Shape{Sphere{{x, 0.05, 0.03}, 0.02}}, 0.3});
+  State state = initial_state(scene);
+  state.particles.velocities.row(0).setConstant(0.5);
+  Eigen::Index left = 0, collisions = 0;
+  testing::run_for(state, StepSettings{}, 0.1, [&](const State&, const StepReport& report) {
+    left += report.particles_left;
+    collisions += report.collisions.count;
+  });
+  EXPECT_EQ(left, 0);
+  EXPECT_GT(collisions, 0);
+}
+
+TEST(StepBesideWalls, SandShutInOnEverySideHasFiniteBooks) {
+  Scene scene = testing::box_scene({1, 1, 1}, {1.0, 1.0, 1.0}, 0.01, 0.5);
+  for (auto& axis : scene.sides) axis = {Side{true, 0.5}, Side{true, 0.5}};
+  State state = initial_state(scene);
+  const StepReport report = step(state, StepSettings{}, 0.001);
+  EXPECT_EQ(report.projection.friction_residual, 0.0);
+  EXPECT_EQ(report.cap_hits(), 0);
+}
+
 }  // namespace
 }  // namespace talus

@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <random>
+
+#include "tests/continuum/grid/ragged_region.h"
 
 namespace talus {
 namespace {
@@ -202,6 +206,29 @@ TEST_P(PaperFrictionTest, ACapThatIsHitIsCounted) {
   const auto result = friction_.solve(frictionless_, box_, {1e-12, 1}, stress);
   EXPECT_GT(result.unconverged, 0);
   EXPECT_GT(result.residual, 1e-12);
+}
+
+TEST(PaperFrictionBesideASlope, ColumnsThatTheSlopeCouplesAreSolvedTogether) {
+  std::mt19937_64 random(3);
+  const ActiveRegion region =
+      testing::ragged_region({"slope", {false, true, false}, {9, 1, 9}, true}, random);
+  const int up = 2;
+  ASSERT_TRUE(std::any_of(region.closures.begin(), region.closures.end(),
+                          [&](const Closure& closure) { return closure.axis == up; }));
+  const Field velocity = testing::random_field(region.open_faces + 1, random);
+  Field inverse_mass = Field::Ones(region.open_faces + 1), frictionless = velocity;
+  inverse_mass[region.null_face()] = frictionless[region.null_face()] = 0.0;
+  const PaperFriction friction(region, inverse_mass, up);
+  const FrictionBox box = friction_box(region, Field::Constant(region.cell_count() + 1, 0.5),
+                                       Field::Ones(region.cell_count() + 1));
+  StressField by_columns = make_stress_field(region), at_once = by_columns;
+  ASSERT_TRUE(friction.solve_columns(frictionless, box, {1e-10, 10000}, by_columns).converged);
+  ASSERT_TRUE(friction.solve_up(frictionless, box, {1e-10, 10000}, at_once).converged);
+  const auto energy = [&](const StressField& stress) {
+    return friction.flux(frictionless, stress).square().sum();
+  };
+  EXPECT_LT(energy(at_once), energy(make_stress_field(region)));
+  EXPECT_NEAR(energy(by_columns), energy(at_once), 1e-8 * energy(at_once));
 }
 
 INSTANTIATE_TEST_SUITE_P(Settings, PaperFrictionTest,
