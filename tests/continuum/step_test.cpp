@@ -217,8 +217,8 @@ TEST(StepBesideWalls, NothingIsLostOverAPeriodicSeam) {
   Scene scene = testing::box_scene({10, 10, 6}, {10.0, 10.0, 5.0}, 0.01, 0.5);
   scene.grid.periodic = {true, true, false};
   scene.sides[2] = {Side{true, 0.5}, Side{true, 0.5}};
-  // Two halves of one ball, either side of the seam.
-  for (const double x : {0.0, 0.1}) scene.walls.push_back({Shape{Sphere{{x, 0.05, 0.03}, 0.02}}, 0.3});
+  // A ball beside the seam, which puts back over it what moves into its far side.
+  scene.walls = {{Shape{Sphere{{0.01, 0.05, 0.03}, 0.02}}, 0.3}};
   State state = initial_state(scene);
   state.particles.velocities.row(0).setConstant(0.5);
   Eigen::Index left = 0, collisions = 0;

@@ -40,7 +40,7 @@ TEST(FreeFlight, OfLooseSandOffAPressedBedIsNotHeldBack) {
   scene.grid.periodic = {true, true, false};
   scene.sides[2][0] = {true, mu};
   scene.fillings.push_back(
-      testing::box_of(0, h * Eigen::Vector3d(0.0, 0.0, 5.5), h * Eigen::Vector3d(6.0, 6.0, 5.75)));
+      testing::box_of(0, h * Eigen::Vector3d(0.0, 0.0, 5.0), h * Eigen::Vector3d(6.0, 6.0, 5.25)));
   State state = initial_state(scene);
   const Eigen::Index bed = 6 * 6 * 5 * 8;
   const auto loose = [&] { return Eigen::Index(state.particles.count() - bed); };
@@ -48,7 +48,8 @@ TEST(FreeFlight, OfLooseSandOffAPressedBedIsNotHeldBack) {
   settings.reshape = false;
   testing::run_for(state, settings, 0.002, [](const State&, const StepReport&) {});  // the bed presses
   state.particles.velocities.rightCols(loose()).colwise() = Eigen::Vector3d(0.0, 0.0, speed);
-  testing::run_for(state, settings, 0.006, [](const State&, const StepReport&) {});
+  for (int i = 0; i < 3; ++i)
+    testing::run_for(state, settings, 0.002, [](const State&, const StepReport&) {});
   const double expected = speed - testing::gravity * 0.006;
   EXPECT_NEAR(state.particles.velocities.row(2).tail(loose()).mean(), expected, 0.02 * expected);
 }

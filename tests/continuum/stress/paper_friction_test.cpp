@@ -210,8 +210,19 @@ TEST_P(PaperFrictionTest, ACapThatIsHitIsCounted) {
 
 TEST(PaperFrictionBesideASlope, ColumnsThatTheSlopeCouplesAreSolvedTogether) {
   std::mt19937_64 random(3);
-  const ActiveRegion region =
-      testing::ragged_region({"slope", {false, true, false}, {9, 1, 9}, true}, random);
+  // A plane of 30 degrees through a box that is full of sand above it.
+  const Grid grid{Eigen::Vector3d::Zero(), 1.0, {10, 1, 10}, {false, true, false}};
+  const Eigen::Vector3d normal(0.5, 0.0, std::sqrt(0.75));
+  const Openings openings = make_openings(grid, [&](const Eigen::Vector3d& x) {
+    return WallDistance{(x - Eigen::Vector3d(0.3, 0.0, 5.6)).dot(normal), 0.3};
+  });
+  Eigen::Matrix3Xd positions(3, 100);
+  int n = 0;
+  for (int cell = 0; cell < 100; ++cell) {
+    if (openings.cell_share(cell) > 0.0)
+      positions.col(n++) = grid.cell_of_index(cell).cast<double>().array() + 0.5;
+  }
+  const ActiveRegion region = make_active_region(grid, {}, positions.leftCols(n), openings);
   const int up = 2;
   ASSERT_TRUE(std::any_of(region.closures.begin(), region.closures.end(),
                           [&](const Closure& closure) { return closure.axis == up; }));
