@@ -4,7 +4,8 @@
 
 #include <cmath>
 
-#include "continuum/particles/move.h"
+#include "continuum/parallel.h"
+#include "continuum/particles/sort.h"
 #include "continuum/stress/shear_rate.h"
 
 namespace talus {
@@ -41,8 +42,20 @@ double pic_share(const State& state, const StepSettings& settings, double dt) {
                   settings.pic_share * dt / (settings.gravity_courant * std::sqrt(state.grid.spacing / g)));
 }
 
-ActiveRegion region_of(const State& state) {
-  return make_active_region(state.grid, state.sides, state.particles.positions, state.openings);
+/// Where the particles are, and the region that this makes active.
+struct Occupied {
+  PointsByCell points;
+  ActiveRegion region;
+};
+
+ActiveRegion region_of(const State& state, const PointsByCell& points) {
+  return make_active_region(state.grid, state.sides, points, state.openings);
+}
+
+Occupied occupied(const State& state) {
+  PointsByCell points = points_by_cell(state.grid, state.particles.positions);
+  ActiveRegion region = region_of(state, points);
+  return {std::move(points), std::move(region)};
 }
 
 void accelerate(const ActiveRegion& region, const Eigen::Vector3d& gravity, double dt, Field& velocity) {
@@ -66,22 +79,23 @@ double velocity_scale(const State& state, double dt) {
 }
 
 /// mu of each particle, by its material and by how its cell was sheared and pressed in the last step.
-Eigen::ArrayXd friction_of_particles(const State& state) {
+Eigen::ArrayXd friction_of_particles(const State& state, const PointsByCell& points) {
+  constexpr std::ptrdiff_t cells_in_block = 256;
   Eigen::ArrayXd friction(state.particles.count());
-  for (Eigen::Index p = 0; p < friction.size(); ++p) {
-    const auto material = static_cast<std::size_t>(state.particles.materials[static_cast<std::size_t>(p)]);
-    double shear_rate = 0.0, pressure = 0.0;
-    if (state.warm) {
-      const State::Warm& warm = *state.warm;
-      const int dense = state.grid.cell_index(state.grid.cell_at(state.particles.positions.col(p)));
-      const int cell = warm.region.cell_of_dense[static_cast<std::size_t>(dense)];
-      if (cell >= 0) {
-        shear_rate = warm.shear_rate[cell];
-        pressure = warm.confining_pressure[cell];
+  for_each_block(points.cell_count(), cells_in_block, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
+      const int cell =
+          state.warm ? state.warm->region.cell_of_dense[static_cast<std::size_t>(points.cells[c])] : -1;
+      const double shear_rate = cell >= 0 ? state.warm->shear_rate[cell] : 0.0;
+      const double pressure = cell >= 0 ? state.warm->confining_pressure[cell] : 0.0;
+      for (int place = points.first[c]; place < points.first[c + 1]; ++place) {
+        const int p = points.point(place);
+        const auto material =
+            static_cast<std::size_t>(state.particles.materials[static_cast<std::size_t>(p)]);
+        friction[p] = friction_at(state.materials[material], shear_rate, pressure);
       }
     }
-    friction[p] = friction_at(state.materials[material], shear_rate, pressure);
-  }
+  });
   return friction;
 }
 
@@ -91,15 +105,21 @@ SchemeStress initial_stress(const State& state, Scheme scheme, const ActiveRegio
 }
 
 /// Moves particles apart where they are packed too closely; the region is then that of where they are.
-void correct_density(State& state, const StepSettings& settings, ActiveRegion& region, StepReport& report) {
-  report.packing = correct_packing(region, state.materials, {settings.packing_tolerance, 2000},
-                                   state.particles, settings.projection.record);
+void correct_density(State& state, const StepSettings& settings, Occupied& now, Stopwatch& watch,
+                     StepReport& report) {
+  report.packing =
+      correct_packing(now.region, now.points, state.materials, {settings.packing_tolerance, 2000},
+                      state.particles, settings.projection.record);
+  report.seconds[Phase::packing] += watch.lap();
   if (report.packing.largest_displacement == 0.0) return;
   wrap_positions(state.grid, state.particles.positions);
   keep_out_of_walls(state.grid, state.openings, state.particles);
   wrap_positions(state.grid, state.particles.positions);  // a wall may have put them over a seam
   count_departed(state, report);
-  region = region_of(state);
+  report.seconds[Phase::packing] += watch.lap();
+  now.points = points_by_cell(state.grid, state.particles.positions);
+  if (now.points.cells != now.region.dense_of_cell) now.region = region_of(state, now.points);
+  report.seconds[Phase::region] += watch.lap();
 }
 
 /// v~ on all faces and the stress that gives it.
@@ -109,12 +129,17 @@ struct Flow {
 };
 
 Flow flow_of(State& state, const StepSettings& settings, const ActiveRegion& region, const GridState& before,
-             double dt, StepReport& report) {
+             double dt, Stopwatch& watch, StepReport& report) {
   Flow flow{before.velocity, initial_stress(state, settings.scheme, region, dt)};
+  report.seconds[Phase::carry_over] += watch.lap();
   accelerate(region, state.gravity, dt, flow.velocity);
   const bool cold = !state.warm || state.contact_changed;
-  report.projection += project(region, before, dt, state.gravity, velocity_scale(state, dt), cold,
-                               settings.projection, state.lipschitz, flow.stress, flow.velocity);
+  const ProjectionReport projection =
+      project(region, before, dt, state.gravity, velocity_scale(state, dt), cold, settings.projection,
+              state.friction_solver, flow.stress, flow.velocity);
+  report.projection += projection;
+  report.seconds += projection.seconds;
+  report.seconds[Phase::stress_other] += watch.lap() - projection.seconds.total();
   if (!flow.velocity.isFinite().all()) {
     throw NumericalError(
         fmt::format("a face velocity is not finite at t = {:.6g} s, dt = {:.3g} s", state.time, dt));
@@ -129,20 +154,20 @@ State::Warm warm_start(const State& state, ActiveRegion&& region, const GridStat
   Field confining = confining_pressure(region, before.fill, pressure_of(flow.stress), flow.velocity,
                                        velocity_scale(state, dt)) /
                     (dt * region.grid.spacing * region.grid.spacing);
+  // What particles alone read is not kept: it is half of the region's memory.
+  region.cell_stencils = {};
+  region.cell_neighbours = {};
   return {std::move(region), std::move(flow.stress), std::move(sheared), std::move(confining), dt};
 }
 
-/// Velocities and, by the same gradients, shapes.
-DeformReport update_particles(const StepSettings& settings, const ActiveRegion& region,
-                              const GridState& before, const Flow& flow, double dt, State& state) {
-  Particles& particles = state.particles;
-  if (settings.transfer == Transfer::apic)
-    update_velocities_apic(region, flow.velocity, particles);
-  else
-    update_velocities_flip(region, before.velocity, flow.velocity, pic_share(state, settings, dt), particles);
-  if (!settings.reshape) return {};
-  return deform(interpolate_gradient(region, flow.velocity, particles.positions), dt, state.materials,
-                state.grid.spacing, particles);
+/// Velocities, shapes and positions.
+void update_particles(const StepSettings& settings, const Occupied& now, const GridState& before,
+                      const Flow& flow, State& state, StepReport& report) {
+  const Advance how{report.dt, settings.transfer, pic_share(state, settings, report.dt), settings.reshape};
+  const AdvanceReport advanced =
+      advance(now.region, now.points, before.velocity, flow.velocity, how, state.materials, state.particles);
+  report.deform = advanced.deform;
+  report.largest_move = advanced.largest_move;
 }
 
 ReshapeReport reshape(const StepSettings& settings, double dt, State& state) {
@@ -171,52 +196,60 @@ void advance_time(State& state, double dt, StepReport& report) {
 }
 
 /// Nothing is there to move.
-StepReport empty_step(State& state, StepReport report) {
+StepReport empty_step(State& state, Stopwatch& watch, StepReport report) {
   report.packing.solve.converged = true;
   state.warm.reset();
   advance_time(state, report.dt, report);
+  report.seconds[Phase::other] += watch.lap();
   return report;
 }
 
 }  // namespace
 
 StepReport step(State& state, const StepSettings& settings, double dt_limit) {
+  Stopwatch watch;
   StepReport report;
   dt_limit = std::min(dt_limit, next_event(state) - state.time);
   report.dt = state.particles.count() > 0 ? time_step(state, settings, dt_limit) : dt_limit;
-  if (state.particles.count() == 0) return empty_step(state, report);
+  if (state.particles.count() == 0) return empty_step(state, watch, report);
+  report.seconds[Phase::other] += watch.lap();
 
   // 1, 2. Correct the density, then accumulate mass and velocity onto the grid.
-  ActiveRegion region = region_of(state);
-  correct_density(state, settings, region, report);
-  if (state.particles.count() == 0) return empty_step(state, report);
-  const Eigen::ArrayXd friction = friction_of_particles(state);
-  const GridState before = deposit(region, state.particles, state.materials, friction);
+  Occupied now = occupied(state);
+  report.seconds[Phase::region] += watch.lap();
+  correct_density(state, settings, now, watch, report);
+  if (state.particles.count() == 0) return empty_step(state, watch, report);
+  sort_by_cell(now.points, state.particles);
+  const Eigen::ArrayXd friction = friction_of_particles(state, now.points);
+  const GridState before = deposit(now.region, now.points, state.particles, state.materials, friction);
+  report.seconds[Phase::deposit] += watch.lap();
 
   // 3, 4. Gravity, then friction and pressure by staggered projections, give the intermediate velocity; once more with
   // half the time step where that would carry a particle too far.
-  Flow flow = flow_of(state, settings, region, before, report.dt, report);
-  Eigen::Matrix3Xd moves = moves_of(region, flow.velocity, report.dt, state.particles);
-  while (largest_move(region.grid, moves) > largest_allowed_move) {
+  Flow flow = flow_of(state, settings, now.region, before, report.dt, watch, report);
+  while (moves_further(now.region, now.points, flow.velocity, report.dt, state.particles,
+                       largest_allowed_move)) {
+    report.seconds[Phase::move] += watch.lap();
     ++report.retries;
     report.dt *= 0.5;
-    flow = flow_of(state, settings, region, before, report.dt, report);
-    moves = moves_of(region, flow.velocity, report.dt, state.particles);
+    flow = flow_of(state, settings, now.region, before, report.dt, watch, report);
   }
 
   // 6. Update particles: velocities, shapes and positions; then split and merge.
-  report.deform = update_particles(settings, region, before, flow, report.dt, state);
-  report.largest_move = largest_move(region.grid, moves);
-  state.particles.positions += moves;
+  update_particles(settings, now, before, flow, state, report);
   wrap_positions(state.grid, state.particles.positions);
   report.collisions = collide_with_walls(state.grid, state.openings, friction, state.particles);
   wrap_positions(state.grid, state.particles.positions);  // a wall may have put them over a seam
   count_departed(state, report);
+  report.seconds[Phase::move] += watch.lap();
   report.reshape = reshape(settings, report.dt, state);
+  report.seconds[Phase::reshape] += watch.lap();
 
-  state.warm = warm_start(state, std::move(region), before, std::move(flow), report.dt);
+  state.warm = warm_start(state, std::move(now.region), before, std::move(flow), report.dt);
+  report.seconds[Phase::warm_start] += watch.lap();
   state.contact_changed = false;
   advance_time(state, report.dt, report);
+  report.seconds[Phase::other] += watch.lap();
   return report;
 }
 

@@ -7,10 +7,11 @@
 
 #include "continuum/grid/active_region.h"
 #include "continuum/particles/collide.h"
-#include "continuum/particles/deform.h"
+#include "continuum/particles/move.h"
 #include "continuum/particles/reshape.h"
 #include "continuum/particles/source.h"
 #include "continuum/particles/transfer.h"
+#include "continuum/phases.h"
 #include "continuum/solids/wall.h"
 #include "continuum/stress/packing.h"
 #include "continuum/stress/scheme.h"
@@ -31,18 +32,16 @@ struct State {
 
   /// What the last step left for the next one to start from.
   struct Warm {
-    ActiveRegion region;
+    ActiveRegion region;  // without its stencils and neighbours
     SchemeStress stress;
     Field shear_rate;          // 1/s, per cell
     Field confining_pressure;  // Pa, per cell, the skin's too (friction.h)
     double dt;
   };
   std::optional<Warm> warm;
-  bool contact_changed = false;  // since the last step, by a gate
-  double lipschitz = 1.0;        // of the friction solve; grows to what is needed
+  bool contact_changed = false;    // since the last step, by a gate
+  FrictionSolver friction_solver;  // the step size it has found, and memory
 };
-
-enum class Transfer { flip, apic };
 
 struct StepSettings {
   Scheme scheme = Scheme::consistent;
@@ -72,6 +71,7 @@ struct StepReport {
   Eigen::Index particles_left = 0;  // left the domain through an open side
   double mass_left = 0.0;           // kg
   double mass_added = 0.0;          // kg, by sources
+  PhaseSeconds seconds;             // by the clock on the wall
 
   int cap_hits() const { return projection.cap_hits + (packing.solve.converged ? 0 : 1); }
 };

@@ -240,6 +240,18 @@ std::vector<Eigen::Vector2d> CheckedTable::pairs(std::string_view key, Range fir
   return found;
 }
 
+Eigen::Vector3i CheckedTable::integer_vector(std::string_view key, int low, int high) const {
+  const std::string allowed = fmt::format("three whole numbers between {} and {}, [x, y, z]", low, high);
+  if (!has(key)) throw missing(key, "it must be " + allowed);
+  const auto* array = node_->table->get(key)->as_array();
+  if (!array || array->size() != 3) throw error(key, "must be " + allowed);
+  const auto values = read_array<std::int64_t>(*this, array, key);
+  for (const auto value : values) {
+    if (value < low || value > high) throw error(key, "must be " + allowed);
+  }
+  return {static_cast<int>(values[0]), static_cast<int>(values[1]), static_cast<int>(values[2])};
+}
+
 std::vector<std::int64_t> CheckedTable::integers(std::string_view key, std::int64_t low,
                                                  std::int64_t high) const {
   const std::string allowed = fmt::format("whole numbers between {} and {}", low, high);

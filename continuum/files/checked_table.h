@@ -53,6 +53,9 @@ class CheckedTable {
   Eigen::Vector3d vector(std::string_view key, Range allowed = {}) const;
   /// A list of pairs of numbers, [[a, b], ...]; at least one.
   std::vector<Eigen::Vector2d> pairs(std::string_view key, Range first = {}, Range second = {}) const;
+  /// Three whole numbers, [x, y, z].
+  Eigen::Vector3i integer_vector(std::string_view key, int low, int high) const;
+  /// A list without repeats.
   std::vector<std::int64_t> integers(std::string_view key, std::int64_t low, std::int64_t high) const;
   std::vector<std::string> strings(std::string_view key) const;
   CheckedTable table(std::string_view key) const;

@@ -2,8 +2,9 @@
 //
 // A cell is active when a particle lies in it; a cell that is not active is the free surface (p = 0, no other condition).
 // Every table ends in a null entry (index = count) whose field value is always 0, so that a missing neighbour (free
-// surface, wall) needs no branch: fields have one more entry than there are things. Fields and operators have the size of
-// the active region; the maps *_of_dense that find it have the size of the domain and are rebuilt each step.
+// surface, wall) needs no branch: fields have one more entry than there are things. Fields, operators and the maps
+// *_of_dense have the size of the active region. Cells, open faces (axis by axis) and inner edges (likewise) are numbered
+// in the order of their dense indices: runs along x are contiguous.
 //
 // Faces:  the solver's unknown velocities are those of the open faces, all faces of active cells that are not on a wall.
 //         Wall faces are numbered behind the null face; the solver sees them as null, their flux being zero.
@@ -26,6 +27,8 @@
 #include "continuum/grid/boundary.h"
 #include "continuum/grid/grid.h"
 #include "continuum/grid/openings.h"
+#include "continuum/grid/points_by_cell.h"
+#include "continuum/grid/sparse_index.h"
 
 namespace talus {
 
@@ -36,6 +39,21 @@ inline constexpr int values_per_contact = 2 * copies_per_contact;  // two tangen
 
 /// Edge number within a cell: along `axis`, at offsets 0 or 1 along the next and the last axis.
 constexpr int local_edge(int axis, int at_next, int at_last) { return 4 * axis + at_next + 2 * at_last; }
+
+/// Number among the 27 cells around and including a cell, by offsets of -1, 0 or 1.
+constexpr int local_neighbour(int x, int y, int z) { return 13 + x + 3 * y + 9 * z; }
+/// What local_neighbour changes by with an offset along an axis.
+constexpr std::array<int, 3> neighbour_stride{1, 3, 9};
+
+/// Entry of a cell's stencil for the weight that falls on an empty cell.
+inline constexpr int empty_entry = -1;
+
+/// Where the trilinear kernels of points in a cell put their weights, redirected as grid/stencil.h says.
+struct CellStencil {
+  std::array<int, 27> cells;  // by local_neighbour; empty_entry where the cell is empty
+  /// Per axis, at 9 * side + 3 * (1 + offset along last) + 1 + offset along next: face_of_dense; null where lost.
+  std::array<std::array<int, 18>, 3> faces;
+};
 
 /// The corner (0 or 1 along x, y, z) at which a copy sits in a cell of the given parity.
 std::array<int, 3> copy_corner(int parity, int copy);
@@ -78,7 +96,9 @@ struct ActiveRegion {
 
   // Cells. dense_of_cell is ascending.
   std::vector<int> dense_of_cell;
-  std::vector<int> cell_of_dense;               // is_empty or is_closed (stencil.h) where not active
+  SparseIndex cell_of_dense;                         // -1 where not active
+  std::vector<std::array<int, 27>> cell_neighbours;  // by local_neighbour; -1 where not active
+  std::vector<CellStencil> cell_stencils;
   std::vector<std::array<int, 6>> cell_faces;   // x-, x+, y-, y+, z-, z+; null on walls
   std::vector<std::array<int, 12>> cell_edges;  // by local_edge; null where there is no inner edge
   std::vector<int> cell_parity;
@@ -95,7 +115,7 @@ struct ActiveRegion {
   Eigen::ArrayXd face_kernel;  // open_faces + 1: and of its deposition kernel
   std::vector<std::array<int, 4>>
       face_edges;  // of open faces: along `last` at next-, next+; along `next` at last-, last+
-  std::array<std::vector<int>, 3> face_of_dense;  // per axis, every face in use, wall faces too; -1 elsewhere
+  std::array<SparseIndex, 3> face_of_dense;  // per axis, every face in use, wall faces too; -1 elsewhere
   std::vector<WallFace> wall_faces;
   std::vector<Contact> contacts;
   std::vector<Closure> closures;
@@ -107,7 +127,7 @@ struct ActiveRegion {
       edge_faces;  // next-face at last-, last+; last-face at next-, next+ (of the edge's axis)
   std::vector<std::array<int, 4>>
       edge_copies;  // inner: cell * 4 + copy; wall: wall face * 2 + copy; -1 where none
-  std::array<std::vector<int>, 3> edge_of_dense;  // per axis; -1 elsewhere
+  std::array<SparseIndex, 3> edge_of_dense;  // per axis; -1 elsewhere
 
   int cell_count() const { return static_cast<int>(dense_of_cell.size()); }
   int null_cell() const { return cell_count(); }
@@ -119,6 +139,9 @@ struct ActiveRegion {
 
 /// The region of the cells that hold `positions` (3 x n, m). Every position must lie inside the domain.
 ActiveRegion make_active_region(const Grid& grid, const DomainSides& sides, const Eigen::Matrix3Xd& positions,
+                                const Openings& openings = {});
+/// The same, of points that are sorted already.
+ActiveRegion make_active_region(const Grid& grid, const DomainSides& sides, const PointsByCell& points,
                                 const Openings& openings = {});
 
 }  // namespace talus

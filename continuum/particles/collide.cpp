@@ -2,11 +2,14 @@
 
 #include <algorithm>
 
+#include "continuum/parallel.h"
+
 namespace talus {
 namespace {
 
 /// Where walls meet, coming off one can lead into the other.
 constexpr int rounds = 4;
+constexpr std::ptrdiff_t particles_per_block = 4096;
 
 /// What the wall takes of a velocity.
 Eigen::Vector3d taken_by_wall(const Eigen::Vector3d& velocity, const Eigen::Vector3d& normal,
@@ -30,12 +33,28 @@ DistanceAndGradient distance_near(const Grid& grid, const Openings& openings,
   return found;
 }
 
+/// Whether no corner of the particle's cell lies in a wall: then the particle does not either. False outside the domain.
+bool is_clear(const Grid& grid, const Openings& openings, const Eigen::Vector3d& position) {
+  if (!grid.contains(position)) return false;
+  const Eigen::Vector3i cell = grid.cell_at(position), corners = grid.cells.array() + 1;
+  const Eigen::Index first = cell[0] + corners[0] * (cell[1] + corners[1] * cell[2]);
+  double lowest = openings.distance[first];
+  for (const Eigen::Index layer : {Eigen::Index{0}, Eigen::Index{corners[0]} * corners[1]}) {
+    for (const Eigen::Index row : {0, corners[0]}) {
+      const Eigen::Index at = first + layer + row;
+      lowest = std::min({lowest, openings.distance[at], openings.distance[at + 1]});
+    }
+  }
+  return lowest >= 0.0;
+}
+
 /// Puts a particle back on the wall it is in, calling touch(normal, cell) at each wall it comes off; returns how far it
 /// moved, m.
 template <class Touch>
 double put_back(const Grid& grid, const Openings& openings, Particles& particles, Eigen::Index p,
                 Touch&& touch) {
   double moved = 0.0;
+  if (is_clear(grid, openings, particles.positions.col(p))) return moved;
   for (int round = 0; round < rounds; ++round) {
     const Eigen::Vector3d position = particles.positions.col(p);
     const auto [distance, gradient] = distance_near(grid, openings, position);
@@ -56,28 +75,35 @@ double put_back(const Grid& grid, const Openings& openings, Particles& particles
 
 CollisionReport collide_with_walls(const Grid& grid, const Openings& openings, const Eigen::ArrayXd& friction,
                                    Particles& particles) {
-  CollisionReport report;
-  if (!openings.any()) return report;
-  for (Eigen::Index p = 0; p < particles.count(); ++p) {
-    const double moved = put_back(grid, openings, particles, p, [&](const Eigen::Vector3d& normal, int cell) {
-      const double wall = openings.friction[cell];
-      const Eigen::Vector3d taken =
-          taken_by_wall(particles.velocities.col(p), normal, wall < 0.0 ? friction[p] : wall);
-      particles.velocities.col(p) -= taken;
-      report.impulse -= particles.masses[p] * taken;
-    });
-    if (moved > 0.0) ++report.count;
-    report.deepest = std::max(report.deepest, moved);
-  }
-  return report;
+  if (!openings.any()) return {};
+  const auto block = [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    CollisionReport report;
+    for (std::ptrdiff_t p = begin; p < end; ++p) {
+      const double moved =
+          put_back(grid, openings, particles, p, [&](const Eigen::Vector3d& normal, int cell) {
+            const double wall = openings.friction[cell];
+            const Eigen::Vector3d taken =
+                taken_by_wall(particles.velocities.col(p), normal, wall < 0.0 ? friction[p] : wall);
+            particles.velocities.col(p) -= taken;
+            report.impulse -= particles.masses[p] * taken;
+          });
+      report.count += moved > 0.0;
+      report.deepest = std::max(report.deepest, moved);
+    }
+    return report;
+  };
+  return sum_over_blocks<CollisionReport>(particles.count(), particles_per_block, block);
 }
 
 Eigen::Index keep_out_of_walls(const Grid& grid, const Openings& openings, Particles& particles) {
-  Eigen::Index count = 0;
-  if (!openings.any()) return count;
-  for (Eigen::Index p = 0; p < particles.count(); ++p)
-    count += put_back(grid, openings, particles, p, [](const Eigen::Vector3d&, int) {}) > 0.0;
-  return count;
+  if (!openings.any()) return 0;
+  const auto block = [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    Eigen::Index count = 0;
+    for (std::ptrdiff_t p = begin; p < end; ++p)
+      count += put_back(grid, openings, particles, p, [](const Eigen::Vector3d&, int) {}) > 0.0;
+    return count;
+  };
+  return sum_over_blocks<Eigen::Index>(particles.count(), particles_per_block, block);
 }
 
 }  // namespace talus

@@ -5,6 +5,8 @@
 // friction, at most mu_w times that of the tangential velocity: the impulse R of method.md, section 4, and its bound.
 #pragma once
 
+#include <algorithm>
+
 #include "continuum/grid/openings.h"
 #include "continuum/particles/particles.h"
 
@@ -14,6 +16,13 @@ struct CollisionReport {
   Eigen::Index count = 0;
   double deepest = 0.0;                               // m, the furthest a particle was moved back
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();  // kg m/s, on the sand
+
+  CollisionReport& operator+=(const CollisionReport& other) {
+    count += other.count;
+    deepest = std::max(deepest, other.deepest);
+    impulse += other.impulse;
+    return *this;
+  }
 };
 
 /// `friction`: mu of each particle, used where the wall is as rough as the sand. A wall may stand on the domain's side:

@@ -12,6 +12,7 @@
 #include <span>
 
 #include "continuum/materials/material.h"
+#include "continuum/particles/lanes.h"
 #include "continuum/particles/particles.h"
 
 namespace talus {
@@ -27,10 +28,16 @@ struct DeformReport {
   Eigen::Index enlarged = 0;    // to m / rho_max
   Eigen::Index reduced = 0;     // to h^3
   Eigen::Index not_finite = 0;  // S would not have been finite: left as it was
+
+  DeformReport& operator+=(const DeformReport& other);
 };
 
 /// One step of 5.42. `velocity_gradients`: 9 x n, 1/s, column-major 3 x 3; dt in s; `cell_size` h in m.
 DeformReport deform(const Eigen::Matrix<double, 9, Eigen::Dynamic>& velocity_gradients, double dt,
                     std::span<const Material> materials, double cell_size, Particles& particles);
+
+/// The same for four particles; `gradient` by entry, and the report is added to.
+void deform_four(const std::array<Lanes, 9>& gradient, double dt, std::span<const Material> materials,
+                 double cell_size, const LaneParticles& four, Particles& particles, DeformReport& report);
 
 }  // namespace talus

@@ -2,7 +2,10 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "continuum/grid/points_by_cell.h"
+#include "continuum/parallel.h"
 #include "continuum/particles/reshape.h"
+#include "continuum/particles/semi_axis.h"
 
 namespace talus {
 namespace {
@@ -12,37 +15,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr Index most_candidates = 64;  // keeps the cost proportional to the number of particles
-
-Matrix3d gradient_of(const Particles& particles, Index p) {
-  return particles.gradients.col(p).reshaped<Eigen::ColMajor>(3, 3);
-}
-
-/// The particles of each cell, in their order; those outside the domain are in none.
-struct Cells {
-  std::vector<Index> first;      // cells + 1
-  std::vector<Index> particles;  // from first[cell] up to first[cell + 1]
-};
-
-Cells particles_by_cell(const Grid& grid, const Particles& particles) {
-  std::vector<int> cell(static_cast<std::size_t>(particles.count()), -1);
-  Cells cells;
-  cells.first.assign(static_cast<std::size_t>(grid.cells.prod()) + 1, 0);
-  for (Index p = 0; p < particles.count(); ++p) {
-    const Vector3d position = particles.positions.col(p);
-    if (!grid.contains(position)) continue;
-    const int c = cell[static_cast<std::size_t>(p)] = grid.cell_index(grid.cell_at(position));
-    ++cells.first[static_cast<std::size_t>(c) + 1];
-  }
-  for (std::size_t c = 1; c < cells.first.size(); ++c) cells.first[c] += cells.first[c - 1];
-  cells.particles.resize(static_cast<std::size_t>(cells.first.back()));
-  std::vector<Index> next(cells.first.begin(), cells.first.end() - 1);
-  for (std::size_t p = 0; p < cell.size(); ++p) {
-    if (cell[p] < 0) continue;
-    cells.particles[static_cast<std::size_t>(next[static_cast<std::size_t>(cell[p])]++)] =
-        static_cast<Index>(p);
-  }
-  return cells;
-}
+constexpr std::ptrdiff_t cells_in_block = 64;
 
 /// What does not depend on gradients, which only a pair that merges needs.
 struct Union {
@@ -64,15 +37,6 @@ Union unite(const Particles& particles, Index i, Index j) {
   return u;
 }
 
-/// False too where the shape is not finite.
-bool fits(const Matrix3d& shape, double longest) {
-  const double square = longest * longest;
-  if (shape.norm() <= square) return true;  // no less than the largest eigenvalue
-  if (!(shape.diagonal().maxCoeff() <= square) || !shape.allFinite()) return false;
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(shape, Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues()[2] <= square;
-}
-
 /// Kinetic energy within a particle per mass, tr(C S C^T) / 10, J/kg.
 double inner_energy(const Matrix3d& gradient, const Matrix3d& shape) {
   return (gradient * shape).cwiseProduct(gradient).sum() / 10.0;
@@ -82,7 +46,7 @@ double inner_energy(const Matrix3d& gradient, const Matrix3d& shape) {
 double write_union(const Union& u, Index i, Index j, Particles& particles) {
   const double w = u.share, both = w * (1.0 - w);
   double energy_lost = u.mass * 0.5 * both * u.jump.squaredNorm();
-  const Matrix3d gradient_i = gradient_of(particles, i), gradient_j = gradient_of(particles, j);
+  const Matrix3d gradient_i = gradient_matrix(particles, i), gradient_j = gradient_matrix(particles, j);
   if (!gradient_i.isZero(0.0) || !gradient_j.isZero(0.0)) {
     const Matrix3d shape_i = shape_matrix(particles, i), shape_j = shape_matrix(particles, j);
     const Matrix3d moment =
@@ -116,11 +80,14 @@ class Merger {
     }
   }
 
-  void merge_within(std::span<const Index> cell, MergeReport& report) {
+  /// `cell`: its particles, in their order.
+  void merge_within(std::span<const int> cell, MergeReport& report) {
     auto left = static_cast<Index>(cell.size());
+    if (left <= fewest_) return;
+    Near near(particles_, cell);
     for (std::size_t a = 0; a < cell.size() && left > fewest_; ++a) {
       if (gone_[static_cast<std::size_t>(cell[a])]) continue;
-      const Index j = partner(cell[a], cell.subspan(a + 1));
+      const Index j = partner(cell, a, near);
       if (j < 0) continue;
       report.energy_lost += write_union(unite(particles_, cell[a], j), cell[a], j, particles_);
       gone_[static_cast<std::size_t>(j)] = true;
@@ -140,25 +107,61 @@ class Merger {
   }
 
  private:
-  /// The nearest of `others`, which come after i, that may merge with it; -1 where none may.
-  Index partner(Index i, std::span<const Index> others) const {
+  /// Squared distances between the particles of a cell. A particle that merges moves, but is asked about no more.
+  class Near {
+   public:
+    Near(const Particles& particles, std::span<const int> cell)
+        : positions_(static_cast<Index>(cell.size()), 3), gaps_(most_candidates) {
+      for (std::size_t a = 0; a < cell.size(); ++a)
+        positions_.row(static_cast<Index>(a)) = particles.positions.col(cell[a]).transpose();
+    }
+    /// To those that come after `a`, at most most_candidates.
+    auto squared_gaps(std::size_t a) {
+      const auto first = static_cast<Index>(a);
+      const Index count = std::min(most_candidates, positions_.rows() - first - 1);
+      const auto along = [&](Index axis) {
+        return (positions_.col(axis).segment(first + 1, count) - positions_(first, axis)).square();
+      };
+      gaps_.head(count) = along(0) + along(1) + along(2);
+      return gaps_.head(count);
+    }
+
+   private:
+    Eigen::Array<double, Eigen::Dynamic, 3> positions_;  // a row each, so that each axis is contiguous
+    Eigen::ArrayXd gaps_;
+  };
+
+  /// The nearest of those behind place `a` of the cell that may merge with it; -1 where none may.
+  Index partner(std::span<const int> cell, std::size_t a, Near& near) const {
     Index nearest = -1;
-    double distance = distance_;
-    const int material = particles_.materials[static_cast<std::size_t>(i)];
-    Index seen = 0;
-    for (const Index j : others) {
-      if (++seen > most_candidates) break;
-      if (gone_[static_cast<std::size_t>(j)]) continue;
-      if (particles_.materials[static_cast<std::size_t>(j)] != material) continue;
-      const double gap = (particles_.positions.col(j) - particles_.positions.col(i)).norm();
-      if (!(gap < distance)) continue;
-      const Union u = unite(particles_, i, j);
-      if (!(u.jump.norm() <= speed_) || !(u.mass <= heaviest_[static_cast<std::size_t>(material)])) continue;
-      if (!fits(u.shape, longest_) || !allowed_(u.position)) continue;
+    double squared_distance = distance_ * distance_;
+    const Index i = cell[a];
+    const auto squared_gaps = near.squared_gaps(a);
+    for (Index k = 0; k < squared_gaps.size(); ++k) {
+      if (!(squared_gaps[k] < squared_distance)) continue;
+      const Index j = cell[a + 1 + static_cast<std::size_t>(k)];
+      if (!may_merge(i, j)) continue;
       nearest = j;
-      distance = gap;
+      squared_distance = squared_gaps[k];
     }
     return nearest;
+  }
+
+  /// But for their distance.
+  bool may_merge(Index i, Index j) const {
+    const int material = particles_.materials[static_cast<std::size_t>(i)];
+    if (gone_[static_cast<std::size_t>(j)] || particles_.materials[static_cast<std::size_t>(j)] != material)
+      return false;
+    if (!(particles_.masses[i] + particles_.masses[j] <= heaviest_[static_cast<std::size_t>(material)]))
+      return false;
+    if (!((particles_.velocities.col(j) - particles_.velocities.col(i)).norm() <= speed_)) return false;
+    // The union is no shorter along the grid's axes than its parts are together.
+    const double share = particles_.masses[j] / (particles_.masses[i] + particles_.masses[j]);
+    const auto diagonal =
+        (1.0 - share) * particles_.shapes.col(i).head<3>() + share * particles_.shapes.col(j).head<3>();
+    if (diagonal.maxCoeff() > longest_ * longest_) return false;
+    const Union u = unite(particles_, i, j);
+    return u.shape.allFinite() && !is_longer(u.shape, longest_) && allowed_(u.position);
   }
 
   const Allowed& allowed_;
@@ -166,21 +169,27 @@ class Merger {
   double longest_, distance_, speed_;
   Index fewest_;
   std::vector<double> heaviest_;  // of each material, kg
-  std::vector<bool> gone_;        // into an earlier one
+  std::vector<char> gone_;        // into an earlier one
 };
 
 }  // namespace
 
 MergeReport merge(const Grid& grid, std::span<const Material> materials, const Allowed& allowed,
                   const ReshapeRules& rules, double dt, Particles& particles) {
-  MergeReport report;
-  const Cells cells = particles_by_cell(grid, particles);
+  const PointsByCell points = points_by_cell(grid, particles.positions);
   Merger merger(grid, materials, allowed, rules, dt, particles);
-  for (std::size_t c = 0; c + 1 < cells.first.size(); ++c) {
-    const auto first = static_cast<std::size_t>(cells.first[c]);
-    const auto last = static_cast<std::size_t>(cells.first[c + 1]);
-    merger.merge_within(std::span(cells.particles).subspan(first, last - first), report);
-  }
+  const auto block = [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    MergeReport report;
+    std::vector<int> cell;
+    for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
+      cell.clear();
+      for (int place = points.first[c]; place < points.first[c + 1]; ++place)
+        cell.push_back(points.point(place));
+      merger.merge_within(cell, report);
+    }
+    return report;
+  };
+  const MergeReport report = sum_over_blocks<MergeReport>(points.cell_count(), cells_in_block, block);
   if (report.merges > 0) merger.remove_merged();
   return report;
 }

@@ -8,7 +8,7 @@
 
 namespace talus {
 
-/// One column per particle everywhere. Arrays always agree in length; use the members below to change it.
+/// One column per particle everywhere, but for gradients. Arrays always agree in length; use the members below to change it.
 struct Particles {
   Eigen::Matrix3Xd positions;   // m
   Eigen::Matrix3Xd velocities;  // m/s
@@ -17,10 +17,12 @@ struct Particles {
   /// Ellipsoid { x : x'S^-1 x <= 1 } about the position: S_xx, S_yy, S_zz, S_yz, S_zx, S_xy, m^2. A particle is
   /// uniform in it, so its second moment about its centre is m S / 5.
   Eigen::Matrix<double, 6, Eigen::Dynamic> shapes;
-  /// Velocity gradient d v_i / d x_j carried by a particle (APIC), 1/s, column-major 3 x 3. Zero with FLIP.
+  /// Velocity gradient d v_i / d x_j carried by a particle (APIC), 1/s, column-major 3 x 3. With FLIP there are no columns,
+  /// which stands for zero.
   Eigen::Matrix<double, 9, Eigen::Dynamic> gradients;
 
   Eigen::Index count() const { return masses.size(); }
+  bool has_gradients() const { return gradients.cols() > 0; }
 
   /// Keeps the first n, or adds particles whose values are still to be set.
   void resize(Eigen::Index n) {
@@ -29,7 +31,7 @@ struct Particles {
     masses.conservativeResize(n);
     materials.resize(static_cast<std::size_t>(n));
     shapes.conservativeResize(6, n);
-    gradients.conservativeResize(9, n);
+    if (has_gradients()) gradients.conservativeResize(9, n);
   }
   /// Overwrites particle `to` with particle `from`.
   void copy(Eigen::Index from, Eigen::Index to) {
@@ -38,9 +40,15 @@ struct Particles {
     masses[to] = masses[from];
     materials[static_cast<std::size_t>(to)] = materials[static_cast<std::size_t>(from)];
     shapes.col(to) = shapes.col(from);
-    gradients.col(to) = gradients.col(from);
+    if (has_gradients()) gradients.col(to) = gradients.col(from);
   }
 };
+
+/// The velocity gradient that a particle carries, 1/s.
+inline Eigen::Matrix3d gradient_matrix(const Particles& particles, Eigen::Index p) {
+  if (!particles.has_gradients()) return Eigen::Matrix3d::Zero();
+  return particles.gradients.col(p).reshaped<Eigen::ColMajor>(3, 3);
+}
 
 inline Eigen::Matrix3d shape_matrix(const Particles& particles, Eigen::Index p) {
   const auto s = particles.shapes.col(p);

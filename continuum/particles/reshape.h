@@ -58,6 +58,12 @@ struct SplitReport {
 struct MergeReport {
   Eigen::Index merges = 0;
   double energy_lost = 0.0;  // kinetic, J
+
+  MergeReport& operator+=(const MergeReport& other) {
+    merges += other.merges;
+    energy_lost += other.energy_lost;
+    return *this;
+  }
 };
 
 struct ReshapeReport {

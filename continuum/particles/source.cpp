@@ -70,7 +70,7 @@ EmissionReport emit(std::span<const Material> materials, double time, std::vecto
         particles.velocities.col(p) = source.velocity;
         particles.masses[p] = mass;
         particles.materials[static_cast<std::size_t>(p)] = source.material;
-        particles.gradients.col(p).setZero();
+        if (particles.has_gradients()) particles.gradients.col(p).setZero();
         set_shape_matrix(sphere_of_volume(volume), particles, p);
         ++p;
       }

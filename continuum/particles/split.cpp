@@ -1,10 +1,9 @@
 // The halves of reshape.h: particles that are too long split.
 #include <Eigen/Dense>
 #include <cmath>
-#include <numeric>
-#include <optional>
 
 #include "continuum/particles/reshape.h"
+#include "continuum/particles/semi_axis.h"
 
 namespace talus {
 namespace {
@@ -15,13 +14,10 @@ using Eigen::Vector3d;
 
 constexpr double offset_share = 3.0 / 4.0;  // 5 d^2 / a^2: halves the semi-axis a
 
-/// d e for a particle of semi-axis above `longest`; none for others, or for a shape that is not finite.
-std::optional<Vector3d> offset_of_halves(const Matrix3d& shape, double longest) {
-  // The norm is no less than the largest eigenvalue, and spares most particles the search for it.
-  if (!(shape.norm() > longest * longest) || !shape.allFinite()) return std::nullopt;
+/// d e, by the eigenvector of the largest eigenvalue.
+Vector3d offset_of_halves(const Matrix3d& shape) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(shape);
   const double square = eigen.eigenvalues()[2];
-  if (!(square > longest * longest)) return std::nullopt;
   Vector3d axis = eigen.eigenvectors().col(2);
   Index largest = 0;
   axis.cwiseAbs().maxCoeff(&largest);
@@ -40,7 +36,7 @@ void write_halves(const Halves& halves, const Grid& grid, Index added, Particles
   set_shape_matrix(shape_matrix(particles, parent) - 5.0 * offset * offset.transpose(), particles, parent);
   particles.copy(parent, added);
   const Vector3d centre = particles.positions.col(parent);
-  const Vector3d difference = particles.gradients.col(parent).reshaped<Eigen::ColMajor>(3, 3) * offset;
+  const Vector3d difference = gradient_matrix(particles, parent) * offset;
   particles.positions.col(parent) = grid.wrapped_position(centre + offset);
   particles.positions.col(added) = grid.wrapped_position(centre - offset);
   particles.velocities.col(parent) += difference;
@@ -63,20 +59,26 @@ SplitReport split(const Grid& grid, std::span<const Material> materials, const A
     return 0.5 * particles.masses[p] < rules.smallest_split_mass * full * (1.0 - 1e-9);
   };
 
-  std::vector<Index> candidates(static_cast<std::size_t>(particles.count()));
-  std::iota(candidates.begin(), candidates.end(), Index{0});
+  std::vector<Index> candidates;
+  const double bound = std::pow(longest, 4);
+  for (Index p = 0; p < particles.count(); ++p) {  // the norm of S is no less than its largest eigenvalue
+    const auto s = particles.shapes.col(p).array().square();
+    if (s.head<3>().sum() + 2.0 * s.tail<3>().sum() > 0.999 * bound) candidates.push_back(p);
+  }
   for (int round = 0; round < most_split_rounds && !candidates.empty(); ++round) {
     std::vector<Halves> halved;
     for (const Index p : candidates) {
-      const auto offset = offset_of_halves(shape_matrix(particles, p), longest);
-      if (!offset) continue;
-      const Vector3d centre = particles.positions.col(p);
+      if (!is_longer(shape_matrix(particles, p), longest)) continue;
       if (too_light(p)) {
         ++report.too_light;
-      } else if (!has_room(centre + *offset) || !has_room(centre - *offset)) {
+        continue;
+      }
+      const Vector3d centre = particles.positions.col(p),
+                     offset = offset_of_halves(shape_matrix(particles, p));
+      if (!has_room(centre + offset) || !has_room(centre - offset)) {
         ++report.put_off;
       } else {
-        halved.push_back({p, *offset});
+        halved.push_back({p, offset});
       }
     }
     candidates.clear();
@@ -91,7 +93,7 @@ SplitReport split(const Grid& grid, std::span<const Material> materials, const A
     report.splits += static_cast<Index>(halved.size());
   }
   for (const Index p : candidates) {
-    if (offset_of_halves(shape_matrix(particles, p), longest)) ++report.unfinished;
+    if (is_longer(shape_matrix(particles, p), longest)) ++report.unfinished;
   }
   return report;
 }

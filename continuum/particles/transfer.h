@@ -5,6 +5,10 @@
 // an axis: the grid holds exactly the particles' mass, momentum and volume, and what a face's velocity gains the particles gain. (Section 4 of method.md asks this for walls;
 // carrying it to the free surface makes a layer's friction right without extrapolating velocities.) Fill is divided by
 // what solids leave open of the cell's kernel.
+//
+// Particles lie in active cells; std::invalid_argument is thrown otherwise. Where a function takes them by cell, `points` are
+// their positions sorted (grid/points_by_cell.h); the others sort for themselves. Results are the same for any number of
+// threads, bit for bit: what deposits on one face does so in one order.
 #pragma once
 
 #include <span>
@@ -29,15 +33,25 @@ struct GridState {
 Eigen::ArrayXd minimum_volumes(const Particles& particles, std::span<const Material> materials);
 
 /// `friction`: mu of each particle.
+GridState deposit(const ActiveRegion& region, const PointsByCell& points, const Particles& particles,
+                  std::span<const Material> materials, const Eigen::ArrayXd& friction);
 GridState deposit(const ActiveRegion& region, const Particles& particles, std::span<const Material> materials,
                   const Eigen::ArrayXd& friction);
 
-/// Fill for the density correction: weights beyond the free surface are lost, so that it never exceeds 1
+/// For the density correction. In its fill, weights beyond the free surface are lost, so that it never exceeds 1
 /// merely because particles lie close to the edge of their cell.
+struct DepositedVolume {
+  Field fill;   // cells + 1
+  Field faces;  // as GridState::face_volume
+};
+DepositedVolume deposit_volume(const ActiveRegion& region, const PointsByCell& points,
+                               const Particles& particles, std::span<const Material> materials);
 Field deposit_fill(const ActiveRegion& region, const Particles& particles,
                    std::span<const Material> materials);
 
 /// The face field interpolated to each particle, 3 x n.
+Eigen::Matrix3Xd interpolate(const ActiveRegion& region, const PointsByCell& points, const Field& faces,
+                             const Eigen::Matrix3Xd& positions);
 Eigen::Matrix3Xd interpolate(const ActiveRegion& region, const Field& faces,
                              const Eigen::Matrix3Xd& positions);
 

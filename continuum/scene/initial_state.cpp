@@ -20,7 +20,7 @@ Lattice fill(const Scene& scene, const Filling& filling, Random& symmetric) {
   const Eigen::AlignedBox3d box = bounds(filling.shape);
   const Eigen::Vector3d size = box.sizes();
   const Eigen::Vector3d count =
-      (size * scene.particles_per_cell / scene.grid.spacing).array().round().max(1.0);
+      (size.array() * scene.particles_per_cell.cast<double>().array() / scene.grid.spacing).round().max(1.0);
   const Eigen::Vector3d spacing = size.array() / count.array();
   Lattice lattice{{}, spacing.prod() * scene.materials[filling.material].max_density()};
   for (int k = 0; k < count[2]; ++k) {
@@ -62,7 +62,7 @@ State initial_state(const Scene& scene) {
               0.0,
               {},
               false,
-              1.0};
+              {}};
   std::mt19937_64 random(scene.seed);
   // Portable: the standard fixes the engine's numbers, not the distributions'.
   const auto symmetric = [&] { return static_cast<double>(random() >> 11) * 0x1.0p-52 - 1.0; };  // in [-1, 1)
@@ -79,7 +79,7 @@ State initial_state(const Scene& scene) {
       particles.velocities.col(p) = filling.velocity;
       particles.masses[p] = lattice.mass;
       particles.materials[static_cast<std::size_t>(p)] = static_cast<int>(filling.material);
-      particles.gradients.col(p).setZero();
+      if (particles.has_gradients()) particles.gradients.col(p).setZero();
       set_shape_matrix(sphere_of_volume(volume), particles, p);
       ++p;
     }

@@ -229,6 +229,16 @@ ProjectionSettings read_projection(const CheckedTable& solver) {
   return p;
 }
 
+/// per_cell_axis = n, or per_cell = [nx, ny, nz]: one along an axis is enough where nothing varies along it.
+Eigen::Vector3i read_particles_per_cell(const CheckedTable& particles) {
+  constexpr int most = 8;
+  if (!particles.has("per_cell"))
+    return Eigen::Vector3i::Constant(static_cast<int>(particles.integer("per_cell_axis", 2, most)));
+  if (particles.has("per_cell_axis"))
+    throw particles.error("per_cell", "stands for per_cell_axis; give one of the two");
+  return particles.integer_vector("per_cell", 1, most);
+}
+
 }  // namespace
 
 Scene read_scene(const std::filesystem::path& file) {
@@ -257,21 +267,21 @@ Scene read_scene(const std::filesystem::path& file) {
   check_walls(root, scene);
 
   const CheckedTable particles = root.table("particles");
-  scene.particles_per_cell = static_cast<int>(particles.integer("per_cell_axis", 2, 8));
+  scene.particles_per_cell = read_particles_per_cell(particles);
   scene.jitter = particles.number("jitter", {0.0, 1.0});
   scene.seed =
       static_cast<std::uint64_t>(particles.integer("seed", 0, std::numeric_limits<std::int64_t>::max()));
-  const double per_cell = std::pow(scene.particles_per_cell, 3);
+  const double per_cell = scene.particles_per_cell.prod();
   for (const Filling& filling : scene.fillings) {
     const double count = bounds(filling.shape).sizes().prod() / scene.grid.cell_volume() * per_cell;
     if (count > most_particles) {
       throw particles.error(
-          "per_cell_axis",
+          particles.has("per_cell") ? "per_cell" : "per_cell_axis",
           fmt::format("gives {:.3g} particles in one shape; at most {:.0g}", count, most_particles));
     }
   }
   scene.sources = read_sources(root, scene.materials, scene.walls, scene.grid,
-                               scene.grid.spacing / scene.particles_per_cell);
+                               scene.grid.spacing / scene.particles_per_cell.maxCoeff());
   if (scene.fillings.empty() && scene.sources.empty())
     throw root.error("sand", "there is neither [[sand]] nor a [[source]] of it");
   constexpr std::array<std::string_view, 2> transfers{"flip", "apic"};

@@ -26,8 +26,8 @@ struct Scene {
   std::vector<Wall> walls;
   std::vector<Filling> fillings;
   std::vector<Source> sources;
-  int particles_per_cell;  // n^3, a lattice of n per axis
-  double jitter;           // of the lattice, as a fraction of its spacing
+  Eigen::Vector3i particles_per_cell;  // along each axis: a lattice
+  double jitter;                       // of the lattice, as a fraction of its spacing
   std::uint64_t seed;
   double end_time;        // s
   double frame_interval;  // s

@@ -17,10 +17,10 @@ struct PackingResult {
   double largest_displacement = 0.0;  // m
 };
 
-/// Moves particles apart where the fill exceeds 1, by at most a quarter of a cell; the region is stale
-/// afterwards when anything moved. The tolerance is in fill. `record`, unless empty, is given the problem.
-PackingResult correct_packing(const ActiveRegion& region, std::span<const Material> materials,
-                              const BoundQpSettings& settings, Particles& particles,
-                              const ProblemRecorder& record = {});
+/// Moves particles apart where the fill exceeds 1, by at most a quarter of a cell; the region, and `points`, the positions
+/// by cell, are stale afterwards when anything moved. The tolerance is in fill. `record`, unless empty, is given the problem.
+PackingResult correct_packing(const ActiveRegion& region, const PointsByCell& points,
+                              std::span<const Material> materials, const BoundQpSettings& settings,
+                              Particles& particles, const ProblemRecorder& record = {});
 
 }  // namespace talus

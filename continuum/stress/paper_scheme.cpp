@@ -1,7 +1,7 @@
 #include "continuum/stress/paper_scheme.h"
 
 #include "continuum/stress/paper_friction.h"
-#include "continuum/stress/pressure.h"
+#include "continuum/stress/paper_pressure.h"
 
 namespace talus {
 namespace {
@@ -41,14 +41,17 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
     add_gradient(region, stress.pressure, -1.0, impulse);
     return Field(without + inverse_mass * impulse);
   };
+  Stopwatch watch;
   for (int n = 0; n < settings.iterations; ++n) {
     const auto frictional =
         friction.solve(with_pressure(free_flux), friction_box(region, state.friction, stress.pressure),
                        {tolerance, settings.max_friction_iterations}, stress.friction);
+    report.seconds[Phase::friction] += watch.lap();
     flux = friction.flux(free_flux, stress.friction);
-    const auto packed =
-        solve_pressure(region, inverse_mass, flux, room, {tolerance, settings.max_pressure_iterations},
-                       stress.pressure, settings.record);
+    const auto packed = solve_pressure_by_mprgp(region, inverse_mass, flux, room,
+                                                {tolerance, settings.max_pressure_iterations},
+                                                stress.pressure, settings.record);
+    report.seconds[Phase::pressure] += watch.lap();
     flux = with_pressure(flux);
 
     report.friction_iterations += frictional.iterations;

@@ -1,47 +1,58 @@
 #include "continuum/stress/pressure.h"
 
+#include <limits>
+
 #include "continuum/stress/assemble.h"
 
 namespace talus {
 
+PressureSolver::PressureSolver(const ActiveRegion& region, const Field& inverse_mass)
+    : region_(region),
+      inverse_mass_(inverse_mass),
+      cells_(make_cell_levels(region)),
+      laplacian_(make_cell_laplacian(region, cells_, inverse_mass)),
+      multigrid_(cells_, laplacian_),
+      work_(region.cell_count()),
+      transposed_(region.cell_count() + 1),
+      linear_(region.cell_count()) {}
+
+BoundQp PressureSolver::problem(const char* name, const Field& linear, const Field& start,
+                                const BoundQpSettings& settings) const {
+  constexpr double norm = 2.0;  // Gershgorin: a diagonally scaled graph Laplacian has its spectrum in [0, 2]
+  const Eigen::Index n = region_.cell_count();
+  Field upper(n);
+  for (Eigen::Index cell = 0; cell < n; ++cell) {
+    const bool moves = laplacian_.inverse_diagonal[cells_.order[static_cast<std::size_t>(cell)]] > 0.0;
+    upper[cell] = moves ? std::numeric_limits<double>::infinity() : 0.0;
+  }
+  return {name,   normal_matrix(sparse_gradient(region_), inverse_mass_.head(region_.open_faces)),
+          linear, Field::Zero(n),
+          upper,  start,
+          norm,   settings};
+}
+
+BoundQpResult PressureSolver::solve(const Field& free_velocity, const Field& room,
+                                    const BoundQpSettings& settings, Field& pressure,
+                                    const ProblemRecorder& record, const char* name) {
+  const Eigen::Index n = region_.cell_count();
+  gradient_transpose(region_, free_velocity, transposed_);
+  linear_ = (room * region_.cell_share).head(n) - transposed_.head(n);
+  if (record) record(problem(name, linear_, pressure.head(n), settings));
+  for (Eigen::Index cell = 0; cell < n; ++cell) {
+    const int place = cells_.order[static_cast<std::size_t>(cell)];
+    work_.linear[place] = linear_[cell];
+    work_.x[place] = std::max(0.0, pressure[cell]);
+  }
+  const BoundQpResult result = minimise_nonnegative(cells_, laplacian_, settings, multigrid_, work_);
+  for (Eigen::Index cell = 0; cell < n; ++cell)
+    pressure[cell] = work_.x[cells_.order[static_cast<std::size_t>(cell)]];
+  return result;
+}
+
 BoundQpResult solve_pressure(const ActiveRegion& region, const Field& inverse_mass,
                              const Field& free_velocity, const Field& room, const BoundQpSettings& settings,
                              Field& pressure, const ProblemRecorder& record, const char* name) {
-  const Eigen::Index n = region.cell_count();
-  Field cells = Field::Zero(n + 1), faces = Field::Zero(region.open_faces + 1),
-        transposed = Field::Zero(n + 1);
-  const auto apply = [&](const Field& p, Field& product) {
-    cells.head(n) = p;
-    faces.setZero();
-    add_gradient(region, cells, 1.0, faces);
-    faces *= inverse_mass;
-    gradient_transpose(region, faces, transposed);
-    product = transposed.head(n);
-  };
-  Field diagonal = Field::Zero(n);
-  for (int f = 0; f < region.open_faces; ++f) {
-    const auto [below, above] = region.face_cells[static_cast<std::size_t>(f)];
-    if (below == above) continue;  // a periodic axis one cell long: no gradient across it
-    const double curvature = region.face_area[f] * region.face_area[f] * inverse_mass[f];
-    if (below != region.null_cell()) diagonal[below] += curvature;
-    if (above != region.null_cell()) diagonal[above] += curvature;
-  }
-  // A cell walled in on every side has no face to move; its pressure does nothing and is left at zero.
-  const double smallest = 1e-12 * diagonal.maxCoeff();
-  const Field upper = (diagonal > smallest).select(std::numeric_limits<double>::infinity(), Field::Zero(n));
-  diagonal = diagonal.max(std::max(smallest, std::numeric_limits<double>::min()));
-
-  gradient_transpose(region, free_velocity, transposed);
-  const Field b = (room * region.cell_share).head(n) - transposed.head(n);
-  constexpr double norm = 2.0;  // Gershgorin: a diagonally scaled graph Laplacian has its spectrum in [0, 2]
-  Field x = pressure.head(n);
-  if (record) {
-    record(BoundQp{name, normal_matrix(sparse_gradient(region), inverse_mass.head(region.open_faces)), b,
-                   Field::Zero(n), upper, x, norm, settings});
-  }
-  const auto result = minimise_bound_qp(apply, b, Field::Zero(n), upper, diagonal, norm, settings, x);
-  pressure.head(n) = x;
-  return result;
+  return PressureSolver(region, inverse_mass).solve(free_velocity, room, settings, pressure, record, name);
 }
 
 }  // namespace talus

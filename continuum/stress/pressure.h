@@ -4,17 +4,43 @@
 //   minimise 1/2 P'A P + b'P over P >= 0,   A = D1^T M^-1 D1,   b = share * room - D1^T v_0
 //
 // `room` is how much a cell may still be compressed, as a velocity: slack h / dt; share is what solids leave open of it.
+// How it is solved: nonnegative_solve.h.
 #pragma once
 
-#include "continuum/grid/operators.h"
-#include "continuum/qp/mprgp.h"
 #include "continuum/qp/problem.h"
+#include "continuum/stress/nonnegative_solve.h"
 
 namespace talus {
 
-/// `inverse_mass` and `free_velocity` have open_faces + 1 entries. `pressure` (cells + 1) enters as the warm
-/// start and leaves as P, N s. The tolerance of `settings` is a velocity, m/s. `record`, unless empty, is given the problem
-/// under `name`.
+/// Solves for the pressure on one region with one set of masses, as often as these stand: what depends on nothing else is
+/// made once.
+class PressureSolver {
+ public:
+  /// `inverse_mass` has open_faces + 1 entries; both arguments must outlive the solver.
+  PressureSolver(const ActiveRegion& region, const Field& inverse_mass);
+  PressureSolver(const PressureSolver&) = delete;  // parts refer to each other
+  PressureSolver& operator=(const PressureSolver&) = delete;
+
+  /// `free_velocity` has open_faces + 1 entries, `room` cells + 1. `pressure` (cells + 1) enters as the warm start and
+  /// leaves as P, N s; all zero, it is no start, and nested iteration finds one. The tolerance of `settings` is a velocity,
+  /// m/s. `record`, unless empty, is given the problem under `name`.
+  BoundQpResult solve(const Field& free_velocity, const Field& room, const BoundQpSettings& settings,
+                      Field& pressure, const ProblemRecorder& record = {}, const char* name = "pressure");
+
+ private:
+  BoundQp problem(const char* name, const Field& linear, const Field& start,
+                  const BoundQpSettings& settings) const;
+
+  const ActiveRegion& region_;
+  const Field& inverse_mass_;
+  CellLevels cells_;
+  CellLaplacian laplacian_;
+  Multigrid multigrid_;
+  NonnegativeSolve work_;
+  Field transposed_, linear_;  // scratch
+};
+
+/// A single solve.
 BoundQpResult solve_pressure(const ActiveRegion& region, const Field& inverse_mass,
                              const Field& free_velocity, const Field& room, const BoundQpSettings& settings,
                              Field& pressure, const ProblemRecorder& record = {},

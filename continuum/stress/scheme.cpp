@@ -22,11 +22,11 @@ const Field& pressure_of(const SchemeStress& stress) {
 
 ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt,
                          const Eigen::Vector3d& gravity, double velocity_scale, bool cold,
-                         const ProjectionSettings& settings, double& lipschitz, SchemeStress& stress,
+                         const ProjectionSettings& settings, FrictionSolver& solver, SchemeStress& stress,
                          Field& velocity) {
   if (auto* paper = std::get_if<PaperStress>(&stress))
     return project(region, state, dt, velocity_scale, up_axis(gravity), settings, *paper, velocity);
-  return project(region, state, dt, velocity_scale, cold, settings, lipschitz, std::get<Stress>(stress),
+  return project(region, state, dt, velocity_scale, cold, settings, solver, std::get<Stress>(stress),
                  velocity);
 }
 

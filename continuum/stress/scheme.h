@@ -19,10 +19,10 @@ SchemeStress carry_over(Scheme scheme, const ActiveRegion& from, const SchemeStr
 /// Impulse p dt h^2 per cell (cells + 1), N s.
 const Field& pressure_of(const SchemeStress& stress);
 
-/// From v* to v~ on all faces, in place, by the scheme of `stress`. `cold` and `lipschitz` are the consistent scheme's.
+/// From v* to v~ on all faces, in place, by the scheme of `stress`. `cold` and `solver` are the consistent scheme's.
 ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt,
                          const Eigen::Vector3d& gravity, double velocity_scale, bool cold,
-                         const ProjectionSettings& settings, double& lipschitz, SchemeStress& stress,
+                         const ProjectionSettings& settings, FrictionSolver& solver, SchemeStress& stress,
                          Field& velocity);
 
 }  // namespace talus

@@ -6,7 +6,6 @@
 namespace talus {
 namespace {
 
-constexpr Eigen::Index values_per_cell = components_per_copy * copies_per_cell;
 constexpr Eigen::Index values_per_wall_face = 2 * copies_per_wall_face;
 
 /// Inverse of the mass each open face moves with, 0 for the null face.
@@ -44,12 +43,13 @@ ProjectionReport& ProjectionReport::operator+=(const ProjectionReport& later) {
   cap_hits += later.cap_hits;
   pressure_residual = later.pressure_residual;
   friction_residual = later.friction_residual;
+  seconds += later.seconds;
   return *this;
 }
 
 ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt, double velocity_scale,
-                         bool cold, const ProjectionSettings& settings, double& lipschitz, Stress& stress,
-                         Field& velocity) {
+                         bool cold, const ProjectionSettings& settings, FrictionSolver& solver,
+                         Stress& stress, Field& velocity) {
   const Eigen::Index faces = region.open_faces + 1;
   const double tolerance = settings.tolerance * velocity_scale;
   const Eigen::ArrayXd reaction = stop_at_walls(region, state, velocity);
@@ -61,13 +61,14 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
   const FrictionOperator friction(region);
   friction.clear_idle(stress.copies);
   BallBlocks balls = friction.blocks(inverse_mass);
-  const auto apply = [&](const Eigen::ArrayXd& copies, Field& impulse) { friction.apply(copies, impulse); };
-  const auto transpose = [&](const Field& v, Eigen::ArrayXd& strain) { friction.apply_transpose(v, strain); };
+  solver.prepare(region, inverse_mass);
   const ConeProjectionSettings cone{tolerance * tolerance * mass.sum(), settings.max_friction_iterations};
   const BoundQpSettings bound{tolerance, settings.max_pressure_iterations};
 
+  PressureSolver pressure(region, inverse_mass);
   ProjectionReport report;
-  Field impulse(faces), without_friction(faces), without_pressure(faces), projected(faces);
+  Field impulse(faces), without_friction(faces), without_pressure(faces);
+  Stopwatch watch;
   for (int n = 0; n < (cold ? settings.cold_iterations : settings.iterations); ++n) {
     impulse.setZero();
     add_gradient(region, stress.pressure, -1.0, impulse);
@@ -78,16 +79,16 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
                        balls);
     if (settings.record) {
       settings.record(ConeQp{"friction", sparse_friction(region, friction), mass.head(region.open_faces),
-                             without_friction.head(region.open_faces), balls, stress.copies, lipschitz,
-                             cone});
+                             without_friction.head(region.open_faces), balls, stress.copies,
+                             solver.lipschitz(), cone});
     }
-    const auto frictional = project_onto_cone(apply, transpose, balls, mass, without_friction, cone,
-                                              lipschitz, stress.copies, projected);
+    const auto frictional = solver.solve(balls, without_friction, cone, stress.copies);
+    report.seconds[Phase::friction] += watch.lap();
 
     friction.apply(stress.copies, impulse);
     without_pressure = free_velocity + inverse_mass * impulse;
-    const auto packed =
-        solve_pressure(region, inverse_mass, without_pressure, room, bound, stress.pressure, settings.record);
+    const auto packed = pressure.solve(without_pressure, room, bound, stress.pressure, settings.record);
+    report.seconds[Phase::pressure] += watch.lap();
 
     report.friction_iterations += frictional.iterations;
     report.pressure_iterations += packed.iterations;
@@ -120,14 +121,16 @@ Stress carry_over(const ActiveRegion& from, const Stress& stress, const ActiveRe
   }
   const Eigen::Index walls_from = values_per_cell * from.cell_count(),
                      walls_to = values_per_cell * to.cell_count();
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t dense = 0; dense < to.face_of_dense[axis].size(); ++dense) {
-      const int now = to.face_of_dense[axis][dense] - to.open_faces - 1;
-      const int before = from.face_of_dense[axis][dense] - from.open_faces - 1;
-      if (now < 0 || before < 0) continue;
-      carried.copies.segment(walls_to + values_per_wall_face * now, values_per_wall_face) =
-          dt_ratio * stress.copies.segment(walls_from + values_per_wall_face * before, values_per_wall_face);
-    }
+  for (std::size_t w = 0; w < to.wall_faces.size(); ++w) {
+    const WallFace& wall = to.wall_faces[w];
+    Eigen::Vector3i place = to.grid.cell_of_index(to.dense_of_cell[static_cast<std::size_t>(wall.cell)]);
+    if (wall.inward < 0.0) ++place[wall.axis];
+    const auto dense = static_cast<std::size_t>(to.grid.face_index(wall.axis, place));
+    const int before = from.face_of_dense[static_cast<std::size_t>(wall.axis)][dense] - from.open_faces - 1;
+    if (before < 0) continue;
+    carried.copies.segment(walls_to + values_per_wall_face * static_cast<Eigen::Index>(w),
+                           values_per_wall_face) =
+        dt_ratio * stress.copies.segment(walls_from + values_per_wall_face * before, values_per_wall_face);
   }
   const auto contact_values = [](const ActiveRegion& region) {
     return values_per_contact * static_cast<Eigen::Index>(region.contacts.size());

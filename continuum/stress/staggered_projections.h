@@ -14,8 +14,9 @@
 #pragma once
 
 #include "continuum/particles/transfer.h"
+#include "continuum/phases.h"
 #include "continuum/qp/problem.h"
-#include "continuum/stress/friction.h"
+#include "continuum/stress/friction_solver.h"
 
 namespace talus {
 
@@ -43,6 +44,7 @@ struct ProjectionReport {
   int cap_hits = 0;                // solves that stopped at their cap, unconverged
   double pressure_residual = 0.0;  // m/s, of the last solve
   double friction_residual = 0.0;  // m/s, sqrt(gap / mass) of the last solve
+  PhaseSeconds seconds;            // of friction and pressure; the rest is the caller's to measure
 
   /// Adds what another projection cost; residuals are those of the later one.
   ProjectionReport& operator+=(const ProjectionReport& later);
@@ -51,8 +53,8 @@ struct ProjectionReport {
 /// From v* (GridState::velocity with gravity added) to v~ on all faces, in place. `velocity_scale` is g dt,
 /// m/s.
 ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt, double velocity_scale,
-                         bool cold, const ProjectionSettings& settings, double& lipschitz, Stress& stress,
-                         Field& velocity);
+                         bool cold, const ProjectionSettings& settings, FrictionSolver& solver,
+                         Stress& stress, Field& velocity);
 
 /// Carries the stress from one region to the next: cells, wall faces and contacts keep their values, new ones start
 /// from zero, impulses scale with the time step.

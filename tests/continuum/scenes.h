@@ -1,10 +1,13 @@
 // Small scenes that tests build in code.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+#include <numeric>
 #include <string_view>
+#include <vector>
 
 #include "continuum/scene/scene.h"
 
@@ -27,7 +30,7 @@ inline Scene box_scene(const Eigen::Vector3i& cells, const Eigen::Vector3d& size
   scene.gravity = {0.0, 0.0, -gravity};
   scene.materials = {{"sand", 2500.0, 0.6, friction, {}}};
   scene.fillings = {box_of(0, Eigen::Vector3d::Zero(), h * size)};
-  scene.particles_per_cell = 2;
+  scene.particles_per_cell = {2, 2, 2};
   scene.jitter = 0.0;
   scene.seed = 1;
   return scene;
@@ -47,6 +50,20 @@ template <class Observe>
 void run_for(State& state, const StepSettings& settings, double duration, Observe&& observe) {
   const double end = state.time + duration;
   while (end - state.time > 1e-12) observe(state, step(state, settings, end - state.time));
+}
+
+/// Makes each particle's mass its own, by parts in 1e12: a step reorders particles, and by that they are found again.
+inline void tag(State& state) {
+  for (Eigen::Index p = 0; p < state.particles.count(); ++p)
+    state.particles.masses[p] *= 1.0 + 1e-12 * static_cast<double>(p);
+}
+/// Positions in the order of the tags, 3 x n; the same particles must still be there.
+inline Eigen::Matrix3Xd positions_by_tag(const State& state) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(state.particles.count()));
+  std::iota(order.begin(), order.end(), 0);
+  const auto& masses = state.particles.masses;
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return masses[a] < masses[b]; });
+  return state.particles.positions(Eigen::all, order);
 }
 
 inline double mean_velocity(const State& state, int axis) {

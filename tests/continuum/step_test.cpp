@@ -7,6 +7,8 @@
 #include <random>
 
 #include "continuum/io/budget.h"
+#include "continuum/parallel.h"
+#include "tests/continuum/particles/particle_sums.h"
 #include "tests/continuum/scenes.h"
 
 namespace talus {
@@ -237,6 +239,31 @@ TEST(StepBesideWalls, SandShutInOnEverySideHasFiniteBooks) {
   const StepReport report = step(state, StepSettings{}, 0.001);
   EXPECT_EQ(report.projection.friction_residual, 0.0);
   EXPECT_EQ(report.cap_hits(), 0);
+}
+
+/// A heap beside a ball that collapses, after some steps on `threads`.
+State collapsed(int threads, Transfer transfer) {
+  Scene scene = testing::box_scene({14, 12, 10}, {7.0, 12.0, 8.0}, 0.01, 0.5);
+  scene.grid.periodic[1] = true;
+  scene.sides[0] = {Side{true, 0.0}, Side{true, 0.3}};
+  scene.sides[2][0] = {true, 0.5};
+  scene.walls = {{Shape{Sphere{{0.09, 0.05, 0.0}, 0.02}}, 0.3}};
+  scene.jitter = 0.5;
+  set_thread_count(threads);
+  State state = initial_state(scene);
+  StepSettings settings;
+  settings.transfer = transfer;
+  for (int i = 0; i < 6; ++i) step(state, settings, 1.0);
+  set_thread_count(1);
+  return state;
+}
+
+TEST(StepInThreads, IsTheSameBitForBit) {
+  for (const Transfer transfer : {Transfer::flip, Transfer::apic}) {
+    const State one = collapsed(1, transfer), two = collapsed(2, transfer);
+    EXPECT_TRUE(testing::identical(one.particles, two.particles));
+    EXPECT_GT(one.particles.velocities.cwiseAbs().maxCoeff(), 0.1);
+  }
 }
 
 }  // namespace

@@ -118,7 +118,8 @@ Backend make_continuum_backend(const RunRequest& request) {
   Backend backend;
   backend.version = dem::output_of({talus_program().string(), "--version"});
   backend.version.erase(backend.version.find_last_not_of('\n') + 1);
-  backend.command = {talus_program().string(), "run", scene_name, "--output", "."};
+  // The harness runs a job to a core.
+  backend.command = {talus_program().string(), "run", scene_name, "--output", ".", "--threads", "1"};
   backend.log_file = log_name;
   backend.thickness = request.column.geometry.column_length / request.resolution.cells_per_column_length;
   backend.write_input = [text = scene_text(request)](const auto& folder) {

@@ -181,7 +181,6 @@ double worst_fill(const WallDistanceFunction& wall) {
     particles.positions.col(static_cast<Eigen::Index>(p)) = positions[p];
   particles.masses.setConstant(mass);
   particles.velocities.setZero();
-  particles.gradients.setZero();
   const Openings openings = make_openings(grid, wall);
   const ActiveRegion region = make_active_region(grid, {}, particles.positions, openings);
   const GridState state =
@@ -203,7 +202,7 @@ TEST(Openings, PackedSandHasFillOneBesideAWall) {
   for (const double offset : {0.0625, 0.25, 0.4375, 0.625, 0.8125}) {
     // On whole sixteenths of a cell the lattice has exactly the free volume; beside tilted planes its grain shows.
     const Vector3d point = corner + h * Vector3d(0, 0, 1.0 + offset);
-    EXPECT_LT(worst_fill(plane(point, Vector3d::UnitZ())), 0.02) << offset;
+    EXPECT_LT(worst_fill(plane(point, Vector3d::UnitZ())), 0.02 + 1e-12) << offset;
     EXPECT_LT(worst_fill(plane(point, Vector3d(1, 0, 2))), 0.05) << offset;
     EXPECT_LT(worst_fill(plane(point, Vector3d(1, 1, 1))), 0.05) << offset;
   }

@@ -25,24 +25,37 @@ inline Field random_field(Eigen::Index n, std::mt19937_64& random) {
 }
 
 /// A ragged cloud of particles: active cells with holes, against the walls here and there.
-inline ActiveRegion ragged_region(const Setting& setting, std::mt19937_64& random) {
-  const Grid grid{Eigen::Vector3d::Zero(), 0.5, setting.cells, setting.periodic};
+struct RaggedSand {
+  Grid grid;
   DomainSides sides;
-  for (auto& axis : sides) axis = {Side{true, 0.4}, Side{true, 0.0}};
-  const int n = grid.cells.prod();
-  Eigen::Matrix3Xd positions(3, n);
+  Openings openings;
+  Eigen::Matrix3Xd positions;
+
+  ActiveRegion region() const { return make_active_region(grid, sides, positions, openings); }
+};
+
+inline RaggedSand ragged_sand(const Setting& setting, std::mt19937_64& random) {
+  RaggedSand sand;
+  sand.grid = {Eigen::Vector3d::Zero(), 0.5, setting.cells, setting.periodic};
+  for (auto& axis : sand.sides) axis = {Side{true, 0.4}, Side{true, 0.0}};
+  const int n = setting.cells.prod();
+  sand.positions.resize(3, n);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int p = 0; p < n; ++p) {
-    for (int axis = 0; axis < 3; ++axis) positions(axis, p) = 0.5 * grid.cells[axis] * unit(random);
+    for (int axis = 0; axis < 3; ++axis) sand.positions(axis, p) = 0.5 * setting.cells[axis] * unit(random);
   }
-  if (!setting.solids) return make_active_region(grid, sides, positions);
-  const Eigen::Vector3d middle = 0.25 * grid.cells.cast<double>(),
+  if (!setting.solids) return sand;
+  const Eigen::Vector3d middle = 0.25 * setting.cells.cast<double>(),
                         uphill = Eigen::Vector3d(1.0, 0.7, 2.0).normalized();
-  return make_active_region(grid, sides, positions, make_openings(grid, [&](const Eigen::Vector3d& x) {
-                              const double slope = (x - 0.6 * middle).dot(uphill),
-                                           ball = (x - 1.4 * middle).norm() - 0.6;
-                              return WallDistance{std::min(slope, ball), 0.3};
-                            }));
+  sand.openings = make_openings(sand.grid, [&](const Eigen::Vector3d& x) {
+    const double slope = (x - 0.6 * middle).dot(uphill), ball = (x - 1.4 * middle).norm() - 0.6;
+    return WallDistance{std::min(slope, ball), 0.3};
+  });
+  return sand;
+}
+
+inline ActiveRegion ragged_region(const Setting& setting, std::mt19937_64& random) {
+  return ragged_sand(setting, random).region();
 }
 
 inline const auto ragged_settings = ::testing::Values(

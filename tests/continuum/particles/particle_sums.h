@@ -23,10 +23,6 @@ struct Sums {
   }
 };
 
-inline Eigen::Matrix3d gradient_matrix(const Particles& particles, Eigen::Index p) {
-  return particles.gradients.col(p).reshaped<Eigen::ColMajor>(3, 3);
-}
-
 inline Sums sums_of(const Particles& particles) {
   Sums sums;
   for (Eigen::Index p = 0; p < particles.count(); ++p) {
@@ -59,11 +55,12 @@ inline double relative_difference(const Sums& a, const Sums& b) {
   return worst;
 }
 
-/// At rest, of material 0, without a velocity gradient.
+/// At rest, of material 0; it carries a velocity gradient, of 0.
 inline void add_particle(const Eigen::Vector3d& position, double mass, const Eigen::Matrix3d& shape,
                          Particles& particles) {
   const Eigen::Index p = particles.count();
   particles.resize(p + 1);
+  if (!particles.has_gradients()) particles.gradients.setZero(9, p + 1);
   particles.positions.col(p) = position;
   particles.velocities.col(p).setZero();
   particles.masses[p] = mass;

@@ -282,9 +282,15 @@ TEST(Merge, KeepsTheSpinOfAPairThatCarriesGradients) {
   EXPECT_NEAR(report.energy_lost, with_gradient.energy - after.energy, 1e-12 * before.energy);
   EXPECT_GT(report.energy_lost, 0.0);
   EXPECT_LT(report.energy_lost, 0.7 * before.energy);
-  // FLIP has nowhere to keep it.
+  // FLIP has nowhere to keep it, whether it stores zeros or nothing.
+  Particles bare = flip;
+  bare.gradients.resize(9, 0);
   EXPECT_NEAR(merge(grid, materials, everywhere, no_floor(), dt, flip).energy_lost, before.energy,
               1e-12 * before.energy);
+  EXPECT_NEAR(merge(grid, materials, everywhere, no_floor(), dt, bare).energy_lost, before.energy,
+              1e-12 * before.energy);
+  EXPECT_FALSE(bare.has_gradients());
+  EXPECT_EQ(bare.shapes, flip.shapes);
 }
 
 TEST(Reshape, HalvesDoNotMergeAgain) {

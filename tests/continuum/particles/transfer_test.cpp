@@ -150,7 +150,6 @@ struct Interior {
     for (double& x : cloud.positions.reshaped()) x = 0.15 + 0.5 * unit(random);
     for (double& v : cloud.velocities.reshaped()) v = normal(random);
     for (double& m : cloud.masses) m = 0.5 + unit(random);
-    cloud.gradients.setZero();
   }
   GridState grid() const {
     return deposit(region, cloud, state.materials, Eigen::ArrayXd::Constant(cloud.count(), 0.5));
@@ -200,7 +199,7 @@ TEST(Apic, AFlowWithAConstantGradientPassesUnchanged) {
   // The whole domain's sand, so that every face has the flow's velocity.
   Particles& sand = interior.state.particles;
   sand.velocities = matrix * sand.positions;
-  sand.gradients.colwise() = matrix.reshaped();
+  sand.gradients = matrix.reshaped().replicate(1, sand.count());
   const GridState grid =
       deposit(interior.region, sand, interior.state.materials, Eigen::ArrayXd::Constant(sand.count(), 0.5));
   update_velocities_apic(interior.region, grid.velocity, interior.cloud);

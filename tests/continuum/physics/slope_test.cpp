@@ -60,7 +60,6 @@ State state_of(const Slab& slab) {
     }
   }
   p.velocities.setZero();
-  p.gradients.setZero();
   const double mass = state.materials[0].max_density() * cells_long * slab.cells_deep * h * h * h;
   p.masses.setConstant(mass / static_cast<double>(p.count()));
   std::fill(p.materials.begin(), p.materials.end(), 0);
@@ -115,14 +114,15 @@ TEST(SlopeAtRest, SandStaysBelowTheWallFrictionAngle) {
   settings.reshape = false;  // each particle is followed
   for (const Slab& slab : {Slab{15.0, 4.0, 0.4, 0.1}, Slab{30.0, 4.0, 0.7, 0.2}}) {
     State state = state_of(slab);
-    const Eigen::Matrix3Xd start = state.particles.positions;
+    testing::tag(state);
+    const Eigen::Matrix3Xd start = testing::positions_by_tag(state);
     const Eigen::ArrayXd along = (slab.downhill().transpose() * start).transpose().array();
     const Eigen::ArrayXd up = (slab.normal().transpose() * start).transpose().array();
     const auto inner = (along - along.mean()).abs() < 8.0 * h && up - up.minCoeff() < 2.5 * h;
     const auto drift_after = [&](double duration) {
       testing::run_for(state, settings, duration, [](const State&, const StepReport&) {});
       const Eigen::ArrayXd moved =
-          (slab.downhill().transpose() * (state.particles.positions - start)).transpose().array();
+          (slab.downhill().transpose() * (testing::positions_by_tag(state) - start)).transpose().array();
       return inner.select(moved, 0.0).sum() / static_cast<double>(inner.count());
     };
     const double settled = drift_after(0.2), crept = drift_after(0.8) - settled;

@@ -46,7 +46,10 @@ CollapseMoment collapse_moment(const Eigen::Vector3i& cells, int steps) {
   scene.jitter = 0.5;
   State state = initial_state(scene);
   for (int i = 0; i < steps; ++i) step(state, StepSettings{}, 1.0);
+  return moment_of(state);
+}
 
+CollapseMoment moment_of(const State& state) {
   CollapseMoment moment{
       make_active_region(state.grid, state.sides, state.particles.positions), {}, {}, {}, {}, state.warm->dt};
   const ActiveRegion& region = moment.region;

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "continuum/qp/problem.h"
-#include "continuum/stress/staggered_projections.h"
+#include "continuum/step.h"
 
 namespace talus::testing {
 
@@ -20,6 +20,9 @@ struct CollapseMoment {
 
 /// `cells` is the size of the column, in a domain three times as long; one cell across means plane strain.
 CollapseMoment collapse_moment(const Eigen::Vector3i& cells, int steps);
+/// What the next step meets, with mu = 0.5 everywhere and dt as it was. At least one step of the consistent scheme was taken,
+/// and there are no solids.
+CollapseMoment moment_of(const State& state);
 
 /// What solve_pressure solves, with `velocity` on the faces. The tolerance is that of a run.
 BoundQp pressure_problem(const CollapseMoment& moment, const Field& velocity);

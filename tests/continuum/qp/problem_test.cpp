@@ -74,7 +74,7 @@ TEST(BoundProblem, RecordedPressureIsTheMatrixFreeOne) {
   const auto recorded = solve(problem);
   ASSERT_TRUE(matrix_free.converged && recorded.result.converged);
   EXPECT_LT((recorded.x - pressure.head(n)).abs().maxCoeff(), 1e-9 * pressure.maxCoeff());
-  EXPECT_NEAR(recorded.result.iterations, matrix_free.iterations, 2);
+  EXPECT_LT(matrix_free.iterations, recorded.result.iterations);
 }
 
 TEST(ConeProblem, RecordedFrictionIsTheMatrixFreeOne) {

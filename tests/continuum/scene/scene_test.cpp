@@ -72,6 +72,9 @@ TEST(Scene, RefusesWhatCannotBeMeant) {
   expect_error(with("material = \"sand\"", "material = \"gravel\""), "names no [[material]]");
   expect_error(with("periodic = [\"y\"]", "periodic = [\"z\"]"), "a periodic axis has no sides");
   expect_error(with("per_cell_axis = 2", "per_cell_axis = 1"), "between 2 and 8");
+  expect_error(with("per_cell_axis = 2", "per_cell = [2, 0, 2]"), "between 1 and 8");
+  expect_error(with("per_cell_axis = 2", "per_cell = [2, 2]"), "three whole numbers");
+  expect_error(with("per_cell_axis = 2", "per_cell_axis = 2\nper_cell = [2, 1, 2]"), "give one of the two");
   expect_error(with("frame_interval_s = 0.01", "frame_interval_s = 1e-9"), "more than 1e+06 frames");
   expect_error(with("seed = 3", "sead = 3"), "is missing");
   expect_error(with("jitter = 0.5", "jitter = 0.5\njiter = 1"), "did you mean 'jitter'");

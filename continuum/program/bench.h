@@ -1,0 +1,24 @@
+// `talus bench`: what a scene costs to run, and where the time goes. Nothing but that is written.
+//
+// Times are those of the time loop alone, without reading the scene and making its particles: cpu_s is the process's user and
+// system time, which all its threads add to, wall_s and the seconds of the phases are by the clock on the wall.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+namespace talus {
+
+struct BenchOptions {
+  std::filesystem::path scene;
+  std::optional<int> frames;                  // from the start; else to the scene's end
+  std::optional<std::filesystem::path> json;  // where the figures go, beside the table
+  std::string command_line;
+};
+
+/// Runs the scene and prints the table. Throws InputError.
+void bench(const BenchOptions& options);
+
+}  // namespace talus

@@ -1,0 +1,96 @@
+#include "continuum/program/run.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "analysis/snapshot.h"
+#include "continuum/files/atomic_file.h"
+#include "continuum/files/provenance.h"
+#include "continuum/io/budget.h"
+#include "continuum/parallel.h"
+#include "continuum/program/frames.h"
+#include "continuum/qp/problem_file.h"
+
+namespace talus {
+namespace {
+
+analysis::Snapshot snapshot_of(const State& state) {
+  analysis::Snapshot snapshot{state.time, state.particles.positions, state.particles.velocities, {}};
+  snapshot.volumes.resize(state.particles.count());
+  for (Eigen::Index p = 0; p < state.particles.count(); ++p) {
+    const auto material = static_cast<std::size_t>(state.particles.materials[static_cast<std::size_t>(p)]);
+    snapshot.volumes[p] = state.particles.masses[p] / state.materials[material].grain_density;
+  }
+  return snapshot;
+}
+
+void warn_of_caps(const State& state, const StepReport& report) {
+  if (report.cap_hits() == 0) return;
+  spdlog::warn("t = {:.4f} s: {} solves stopped at their iteration cap, not converged", state.time,
+               report.cap_hits());
+}
+
+/// Results of an earlier run there must not stand for this one's, should it not finish.
+void clear_old_results(const std::filesystem::path& output) {
+  for (const char* old : {"snapshots.h5", "snapshots.xdmf", "run.json", "budget.csv"})
+    std::filesystem::remove(output / old);
+  if (!std::filesystem::is_directory(output / "qp")) return;
+  for (const auto& step : std::filesystem::directory_iterator(output / "qp")) {
+    if (step.path().filename().string().starts_with("step_")) std::filesystem::remove_all(step.path());
+  }
+}
+
+}  // namespace
+
+void run(const RunOptions& options) {
+  const std::filesystem::path& output = options.output;
+  const std::vector<int>& dumped_steps = options.dumped_steps;
+  Scene scene = read_scene(options.scene);
+  make_writable_folder(output);
+  nlohmann::json made_by = provenance();
+  made_by["command_line"] = options.command_line;
+  made_by["input_hash"] = scene.input_hash;
+  made_by["threads"] = thread_count();
+
+  clear_old_results(output);
+  State state = initial_state(scene);
+  Budget budget(state);
+  GrowingFile steps(output / "budget.csv", Budget::header());
+  analysis::SnapshotWriter snapshots(output / "snapshots.h5", made_by.dump());
+  snapshots.append(snapshot_of(state));
+  const int frames = frame_count(scene);
+  spdlog::info("{} particles, {} x {} x {} cells, {} frames, {} threads", state.particles.count(),
+               scene.grid.cells[0], scene.grid.cells[1], scene.grid.cells[2], frames, thread_count());
+  int steps_done = 0;
+  const auto take_step = [&](double dt_limit) {
+    const bool dumped = std::find(dumped_steps.begin(), dumped_steps.end(), steps_done) != dumped_steps.end();
+    scene.settings.projection.record =
+        dumped ? record_step(output, steps_done, made_by.dump()) : ProblemRecorder{};
+    const StepReport report = step(state, scene.settings, dt_limit);
+    ++steps_done;
+    budget.add(state, report);
+    steps.append(budget.row());
+    warn_of_caps(state, report);
+  };
+  for (int frame = 1; frame <= frames; ++frame) {
+    run_to_frame(scene, frame, state, take_step);
+    snapshots.append(snapshot_of(state));
+    spdlog::info("frame {}/{} t = {:.4f} s", frame, frames, state.time);
+  }
+  for (const int dumped : dumped_steps) {
+    if (dumped >= steps_done)
+      spdlog::warn("no step {} to dump: the run took steps 0 to {}", dumped, steps_done - 1);
+  }
+  snapshots.finish();
+  steps.finish();
+  const nlohmann::json summary{{"schema", "talus-run"},     {"schema_version", 1},
+                               {"provenance", made_by},     {"scene", options.scene.filename().string()},
+                               {"simulated_s", state.time}, {"particles", state.particles.count()},
+                               {"budget", budget.summary()}};
+  write_file_atomically(output / "run.json", summary.dump(2) + "\n");
+  spdlog::info("budget: {}", budget.summary().dump());
+}
+
+}  // namespace talus
