@@ -154,9 +154,6 @@ State::Warm warm_start(const State& state, ActiveRegion&& region, const GridStat
   Field confining = confining_pressure(region, before.fill, pressure_of(flow.stress), flow.velocity,
                                        velocity_scale(state, dt)) /
                     (dt * region.grid.spacing * region.grid.spacing);
-  // What particles alone read is not kept: it is half of the region's memory.
-  region.cell_stencils = {};
-  region.cell_neighbours = {};
   return {std::move(region), std::move(flow.stress), std::move(sheared), std::move(confining), dt};
 }
 

@@ -32,7 +32,7 @@ struct State {
 
   /// What the last step left for the next one to start from.
   struct Warm {
-    ActiveRegion region;  // without its stencils and neighbours
+    ActiveRegion region;
     SchemeStress stress;
     Field shear_rate;          // 1/s, per cell
     Field confining_pressure;  // Pa, per cell, the skin's too (friction.h)
