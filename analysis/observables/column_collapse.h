@@ -8,13 +8,13 @@
 //   stop time : the first time after which the centre of mass stays within 1 % of its total displacement of its end,
 //               linear between snapshots
 //
-// Between bin centres the depth is taken as linear for the front: exact for a slope where front_depth is more than its rise
-// over two bins; a vertical step is smeared over three bins and reads up to 1.5 bins too far.
+// How the volume is shared by bins and what that does to the front: binned_depth.h.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "analysis/observables/binned_depth.h"
 #include "analysis/snapshot.h"
 
 namespace talus::analysis {
@@ -33,11 +33,6 @@ struct CollapseCurves {
   std::vector<double> x95;             // m
   std::vector<double> centre_of_mass;  // m, along x
   std::vector<double> height;          // m, largest depth
-};
-
-struct DepthProfile {
-  std::vector<double> x;      // m, bin centres
-  std::vector<double> depth;  // m
 };
 
 /// Lengths are over L0 where the comment says so: those are the figures that are compared.
