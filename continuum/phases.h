@@ -11,21 +11,22 @@ namespace talus {
 
 /// The parts of a step that cost something, in the order of figure 5.7.
 enum class Phase {
-  region,        // which cells hold particles, and their tables
-  packing,       // density correction
-  deposit,       // particles to grid, friction coefficients
-  carry_over,    // the last step's stress as warm start
-  friction,      // friction solves, with their yield radii
-  pressure,      // pressure solves
-  stress_other,  // what both solves need, and what follows them
-  move,          // grid to particles, their shapes and motion, walls
-  reshape,       // split and merge
-  warm_start,    // what is kept for the next step
-  other,         // the time step; sources and gates
+  region,         // which cells hold particles, and their tables
+  packing,        // density correction
+  deposit,        // particles to grid, friction coefficients
+  carry_over,     // the last step's stress as warm start
+  friction,       // friction solves, with their yield radii
+  pressure,       // pressure solves
+  stress_other,   // what both solves need, and what follows them
+  move,           // grid to particles, their shapes and motion, walls
+  reshape,        // split and merge
+  render_points,  // where there are any
+  warm_start,     // what is kept for the next step
+  other,          // the time step; sources and gates
 };
-inline constexpr std::array<std::string_view, 11> phase_names{
-    "region",       "packing", "deposit", "carry_over", "friction", "pressure",
-    "stress_other", "move",    "reshape", "warm_start", "other"};
+inline constexpr auto phase_names = std::to_array<std::string_view>(  // as many as there are strings
+    {"region", "packing", "deposit", "carry_over", "friction", "pressure", "stress_other", "move", "reshape",
+     "render_points", "warm_start", "other"});
 static_assert(static_cast<std::size_t>(Phase::other) + 1 == phase_names.size());
 
 /// Seconds of each phase.

@@ -48,13 +48,15 @@ struct Occupied {
   ActiveRegion region;
 };
 
-ActiveRegion region_of(const State& state, const PointsByCell& points) {
-  return make_active_region(state.grid, state.sides, points, state.openings);
+ActiveRegion region_of(const State& state, const PointsByCell& points, ActiveRegion&& spent) {
+  return make_active_region(state.grid, state.sides, points, state.openings, std::move(spent));
 }
 
-Occupied occupied(const State& state) {
+/// In the memory of the last step's region, of which no more is needed than what its stress is carried over with.
+Occupied occupied(State& state) {
   PointsByCell points = points_by_cell(state.grid, state.particles.positions);
-  ActiveRegion region = region_of(state, points);
+  ActiveRegion region =
+      region_of(state, points, state.warm ? take_tables(state.warm->region) : ActiveRegion{});
   return {std::move(points), std::move(region)};
 }
 
@@ -118,7 +120,8 @@ void correct_density(State& state, const StepSettings& settings, Occupied& now, 
   count_departed(state, report);
   report.seconds[Phase::packing] += watch.lap();
   now.points = points_by_cell(state.grid, state.particles.positions);
-  if (now.points.cells != now.region.dense_of_cell) now.region = region_of(state, now.points);
+  if (now.points.cells != now.region.dense_of_cell)
+    now.region = region_of(state, now.points, std::move(now.region));
   report.seconds[Phase::region] += watch.lap();
 }
 
@@ -192,12 +195,55 @@ void advance_time(State& state, double dt, StepReport& report) {
   count_departed(state, report);  // what a source blew out of the domain at once
 }
 
+/// From the start of a step on, particles carry along which render points are theirs.
+void track_render_points(State& state, Stopwatch& watch, StepReport& report) {
+  if (!state.render_points.wanted()) return;
+  if (state.render_points.particle_count() != state.particles.count())
+    throw std::invalid_argument("render points belong to other particles");
+  state.particles.track_origins();
+  report.seconds[Phase::render_points] += watch.lap();
+}
+
+/// Render points go with the flow, before their particles do; returns what hides them.
+std::vector<Cover> move_render_points(const Occupied& now, const GridState& before, const Flow& flow,
+                                      State& state, Stopwatch& watch, StepReport& report) {
+  if (!state.render_points.wanted()) return {};
+  talus::move_render_points(now.region, now.points, flow.velocity, report.dt, state.particles,
+                            state.render_points);
+  std::vector<Cover> cover = cover_of_cells(now.region, before.fill);
+  report.seconds[Phase::render_points] += watch.lap();
+  return cover;
+}
+
+/// Where the owners of render points are.
+Eigen::Matrix3Xd centres_of_owners(const State& state, Stopwatch& watch, StepReport& report) {
+  Eigen::Matrix3Xd centres(3, state.render_points.particle_count());
+  if (!state.render_points.wanted()) return centres;
+  for (Eigen::Index p = 0; p < state.particles.origins.cols(); ++p)
+    centres.col(state.particles.origins(0, p)) = state.particles.positions.col(p);
+  report.seconds[Phase::render_points] += watch.lap();
+  return centres;
+}
+
+/// Gives render points to what has become of their owners.
+void hand_over_render_points(const Eigen::Matrix3Xd& centres, const std::vector<Cover>& cover, State& state,
+                             Stopwatch& watch, StepReport& report) {
+  if (!state.render_points.wanted()) return;
+  const ActiveRegion* region = state.warm ? &state.warm->region : nullptr;
+  report.render_points = hand_over({state.grid, state.sides, state.openings, region, cover}, state.materials,
+                                   centres, state.particles, state.render_points);
+  state.particles.origins.resize(2, 0);
+  report.seconds[Phase::render_points] += watch.lap();
+}
+
 /// Nothing is there to move.
 StepReport empty_step(State& state, Stopwatch& watch, StepReport report) {
   report.packing.solve.converged = true;
   state.warm.reset();
   advance_time(state, report.dt, report);
   report.seconds[Phase::other] += watch.lap();
+  const Eigen::Matrix3Xd centres = centres_of_owners(state, watch, report);
+  hand_over_render_points(centres, {}, state, watch, report);
   return report;
 }
 
@@ -208,8 +254,9 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   StepReport report;
   dt_limit = std::min(dt_limit, next_event(state) - state.time);
   report.dt = state.particles.count() > 0 ? time_step(state, settings, dt_limit) : dt_limit;
-  if (state.particles.count() == 0) return empty_step(state, watch, report);
   report.seconds[Phase::other] += watch.lap();
+  track_render_points(state, watch, report);
+  if (state.particles.count() == 0) return empty_step(state, watch, report);
 
   // 1, 2. Correct the density, then accumulate mass and velocity onto the grid.
   Occupied now = occupied(state);
@@ -233,12 +280,15 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   }
 
   // 6. Update particles: velocities, shapes and positions; then split and merge.
+  report.seconds[Phase::move] += watch.lap();
+  const std::vector<Cover> cover = move_render_points(now, before, flow, state, watch, report);
   update_particles(settings, now, before, flow, state, report);
   wrap_positions(state.grid, state.particles.positions);
   report.collisions = collide_with_walls(state.grid, state.openings, friction, state.particles);
   wrap_positions(state.grid, state.particles.positions);  // a wall may have put them over a seam
   count_departed(state, report);
   report.seconds[Phase::move] += watch.lap();
+  const Eigen::Matrix3Xd centres = centres_of_owners(state, watch, report);
   report.reshape = reshape(settings, report.dt, state);
   report.seconds[Phase::reshape] += watch.lap();
 
@@ -247,6 +297,7 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   state.contact_changed = false;
   advance_time(state, report.dt, report);
   report.seconds[Phase::other] += watch.lap();
+  hand_over_render_points(centres, cover, state, watch, report);
   return report;
 }
 

@@ -8,6 +8,7 @@
 #include "continuum/grid/active_region.h"
 #include "continuum/particles/collide.h"
 #include "continuum/particles/move.h"
+#include "continuum/particles/render_points.h"
 #include "continuum/particles/reshape.h"
 #include "continuum/particles/source.h"
 #include "continuum/particles/transfer.h"
@@ -41,6 +42,7 @@ struct State {
   std::optional<Warm> warm;
   bool contact_changed = false;    // since the last step, by a gate
   FrictionSolver friction_solver;  // the step size it has found, and memory
+  RenderPoints render_points;      // of the particles; none unless the scene asks for them
 };
 
 struct StepSettings {
@@ -66,6 +68,7 @@ struct StepReport {
   CollisionReport collisions;
   DeformReport deform;
   ReshapeReport reshape;
+  HandOverReport render_points;
   double largest_move = 0.0;        // in cells
   int retries = 0;                  // with half the time step, since a particle would have moved too far
   Eigen::Index particles_left = 0;  // left the domain through an open side
@@ -77,7 +80,10 @@ struct StepReport {
 };
 
 /// Advances by one time step of at most `dt_limit` seconds; gates open, and sources send their next layer, at the end of
-/// a step. Throws NumericalError when a velocity is not finite.
+/// a step. Render points follow, and change nothing else. Throws NumericalError when a velocity is not finite; the state may
+/// then be looked at, but is not one to step on from: particles are where the density correction put them, and of
+/// warm->region only what take_tables leaves is there. Throws std::invalid_argument, before anything has changed, when the
+/// render points are not those of the particles.
 StepReport step(State& state, const StepSettings& settings, double dt_limit);
 
 class NumericalError : public std::runtime_error {

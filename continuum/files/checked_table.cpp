@@ -84,20 +84,66 @@ CheckedTable::CheckedTable(CheckedTable&&) noexcept = default;
 CheckedTable& CheckedTable::operator=(CheckedTable&&) noexcept = default;
 CheckedTable::~CheckedTable() = default;
 
-CheckedTable CheckedTable::parse_file(const std::filesystem::path& file) {
+namespace {
+
+toml::table parse(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file)) {
     throw InputError(fmt::format("{}: no such file; give the path of a TOML file", file.string()));
   }
   try {
-    auto node = std::make_unique<Node>();
-    node->root = std::make_shared<const toml::table>(toml::parse_file(file.string()));
-    node->table = node->root.get();
-    node->file = file;
-    return CheckedTable(std::move(node));
+    return toml::parse_file(file.string());
   } catch (const toml::parse_error& bad) {
     throw InputError(
         fmt::format("{}:{}: not valid TOML: {}", file.string(), bad.source().begin.line, bad.description()));
   }
+}
+
+/// Nodes are moved, not copied: a copy would forget its line in the file.
+void lay_over(toml::table& base, toml::table&& over) {
+  for (auto&& [key, value] : over) {
+    auto* below = base.get_as<toml::table>(key.str());
+    if (below && value.is_table()) {
+      lay_over(*below, std::move(*value.as_table()));
+    } else {
+      value.visit([&, name = key.str()](auto& node) { base.insert_or_assign(name, std::move(node)); });
+    }
+  }
+}
+
+}  // namespace
+
+CheckedTable CheckedTable::parse_file(const std::filesystem::path& file) {
+  const auto root = std::make_shared<const toml::table>(parse(file));
+  return CheckedTable(std::make_unique<Node>(Node{root, root.get(), file, {}, {}}));
+}
+
+std::vector<std::string> CheckedTable::point_names(const std::filesystem::path& file) {
+  const CheckedTable root = parse_file(file);
+  std::vector<std::string> names;
+  if (!root.has("point")) return names;
+  for (const CheckedTable& point : root.tables("point")) {
+    names.push_back(point.string("name"));
+    if (std::count(names.begin(), names.end(), names.back()) > 1)
+      throw point.error("name", "is given twice; give each point once");
+  }
+  return names;
+}
+
+CheckedTable CheckedTable::parse_point(const std::filesystem::path& file, std::string_view point) {
+  const auto names = point_names(file);
+  auto root = std::make_shared<toml::table>(parse(file));
+  if (!point.empty()) {
+    const auto place = std::find(names.begin(), names.end(), point);
+    if (place == names.end()) {
+      throw InputError(fmt::format("{}: has no [[point]] with name = '{}'; there are: {}", file.string(),
+                                   point, fmt::join(names, ", ")));
+    }
+    toml::table over = std::move(*root->get("point")->as_array()->get(place - names.begin())->as_table());
+    over.erase("name");
+    lay_over(*root, std::move(over));
+  }
+  root->erase("point");
+  return CheckedTable(std::make_unique<Node>(Node{root, root.get(), file, {}, {}}));
 }
 
 const std::filesystem::path& CheckedTable::file() const { return node_->file; }
@@ -252,12 +298,13 @@ Eigen::Vector3i CheckedTable::integer_vector(std::string_view key, int low, int 
   return {static_cast<int>(values[0]), static_cast<int>(values[1]), static_cast<int>(values[2])};
 }
 
-std::vector<std::int64_t> CheckedTable::integers(std::string_view key, std::int64_t low,
-                                                 std::int64_t high) const {
+std::vector<std::int64_t> CheckedTable::integers(std::string_view key, std::int64_t low, std::int64_t high,
+                                                 bool may_be_empty) const {
   const std::string allowed = fmt::format("whole numbers between {} and {}", low, high);
   if (!has(key)) throw missing(key, "it must be a list of " + allowed);
   const auto* array = node_->table->get(key)->as_array();
-  if (!array || array->empty()) throw error(key, fmt::format("must be a list of {}", allowed));
+  if (!array || (array->empty() && !may_be_empty))
+    throw error(key, fmt::format("must be a list of {}", allowed));
   auto values = read_array<std::int64_t>(*this, array, key);
   const bool in_range =
       std::all_of(values.begin(), values.end(), [&](auto v) { return v >= low && v <= high; });

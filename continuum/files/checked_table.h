@@ -33,6 +33,12 @@ class CheckedTable {
  public:
   /// Reads a whole file. Throws InputError when it cannot be opened or is not TOML.
   static CheckedTable parse_file(const std::filesystem::path& file);
+  /// The same with the keys of one of the file's tables [[point]], the one with `name = point`, laid over its own; the tables
+  /// [[point]] themselves are then gone, and so they are for an empty `point`. Throws InputError that names the
+  /// points there are.
+  static CheckedTable parse_point(const std::filesystem::path& file, std::string_view point);
+  /// Names of the tables [[point]] of a file, in its order. Throws InputError for one without a name, or twice.
+  static std::vector<std::string> point_names(const std::filesystem::path& file);
 
   CheckedTable(CheckedTable&&) noexcept;
   CheckedTable& operator=(CheckedTable&&) noexcept;
@@ -55,8 +61,9 @@ class CheckedTable {
   std::vector<Eigen::Vector2d> pairs(std::string_view key, Range first = {}, Range second = {}) const;
   /// Three whole numbers, [x, y, z].
   Eigen::Vector3i integer_vector(std::string_view key, int low, int high) const;
-  /// A list without repeats.
-  std::vector<std::int64_t> integers(std::string_view key, std::int64_t low, std::int64_t high) const;
+  /// A list without repeats; with at least one entry, unless it `may_be_empty`.
+  std::vector<std::int64_t> integers(std::string_view key, std::int64_t low, std::int64_t high,
+                                     bool may_be_empty = false) const;
   std::vector<std::string> strings(std::string_view key) const;
   CheckedTable table(std::string_view key) const;
   std::optional<CheckedTable> optional_table(std::string_view key) const;

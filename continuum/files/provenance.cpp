@@ -8,11 +8,14 @@
 #include <unistd.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <vector>
 
+#include "continuum/files/atomic_file.h"
 #include "talus_git_version.h"
 
 namespace talus {
@@ -68,6 +71,18 @@ std::string sha256(std::string_view content) {
   std::string hex;
   for (unsigned int i = 0; i < size; ++i) hex += fmt::format("{:02x}", digest[i]);
   return hex;
+}
+
+std::string sha256_of_folder(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  std::string all;
+  for (const auto& file : files)
+    all += fmt::format("{}\n{}\n", file.lexically_relative(folder).generic_string(), sha256(read_file(file)));
+  return sha256(all);
 }
 
 }  // namespace talus

@@ -1,6 +1,7 @@
 // What made a file: the version, source, compiler, libraries and machine, for every output we write.
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -15,5 +16,9 @@ std::string version_line(std::string_view program);
 
 /// SHA-256 of an input text, as hex digits: the name of an input in results.
 std::string sha256(std::string_view content);
+
+/// One name for all that lies in a folder: the names and contents of its files, in order. Throws InputError for a file
+/// that cannot be read.
+std::string sha256_of_folder(const std::filesystem::path& folder);
 
 }  // namespace talus

@@ -140,8 +140,12 @@ struct ActiveRegion {
 /// The region of the cells that hold `positions` (3 x n, m). Every position must lie inside the domain.
 ActiveRegion make_active_region(const Grid& grid, const DomainSides& sides, const Eigen::Matrix3Xd& positions,
                                 const Openings& openings = {});
-/// The same, of points that are sorted already.
+/// The same, of points that are sorted already. `spent`: a region no longer needed, for its memory alone.
 ActiveRegion make_active_region(const Grid& grid, const DomainSides& sides, const PointsByCell& points,
-                                const Openings& openings = {});
+                                const Openings& openings = {}, ActiveRegion spent = {});
+
+/// Takes from a region, to be spent on the next, most of its tables: all but those that tell where something lies, which
+/// carrying over a stress from it reads. Nothing else may be asked of the region after.
+ActiveRegion take_tables(ActiveRegion& from);
 
 }  // namespace talus

@@ -48,8 +48,8 @@ class EdgeNumbering {
 
   /// In the order of dense indices. Each edge is found from the first active cell around it: its own, at corner 0, for most.
   void run() {
-    draft_.region.edge_of_dense[static_cast<std::size_t>(axis_)] =
-        SparseIndex(static_cast<std::size_t>(extent_.prod()));
+    draft_.region.edge_of_dense[static_cast<std::size_t>(axis_)].reset(
+        static_cast<std::size_t>(extent_.prod()));
     std::vector<Found> others;
     for (int cell = 0; cell < draft_.region.cell_count(); ++cell) {
       for (int corner = 1; corner < 4; ++corner) {

@@ -132,8 +132,8 @@ void number_faces(RegionDraft& draft) {
   draft.every_face.assign(draft.places.size(), {-1, -1, -1, -1, -1, -1});
   std::vector<FoundWall> walls;
   for (int axis = 0; axis < 3; ++axis) {
-    region.face_of_dense[static_cast<std::size_t>(axis)] =
-        SparseIndex(static_cast<std::size_t>(draft.grid().extent(Grid::nodal_of_face(axis)).prod()));
+    region.face_of_dense[static_cast<std::size_t>(axis)].reset(
+        static_cast<std::size_t>(draft.grid().extent(Grid::nodal_of_face(axis)).prod()));
     for (const Found& found : faces_of_cells(draft, axis)) {
       if (draft.openings.face_share(axis, found.dense) == 0.0) continue;
       if (const Side* side = wall_at(draft, axis, found.place)) {

@@ -11,8 +11,14 @@ class SparseIndex {
  public:
   SparseIndex() = default;
   /// Of dense indices below `size`; each maps to -1.
-  explicit SparseIndex(std::size_t size)
-      : size_(size), page_((size + page_size - 1) / page_size, 0), values_(page_size, -1) {}
+  explicit SparseIndex(std::size_t size) { reset(size); }
+
+  /// The same, in the memory it has.
+  void reset(std::size_t size) {
+    size_ = size;
+    page_.assign((size + page_size - 1) / page_size, 0);
+    values_.assign(page_size, -1);
+  }
 
   std::size_t size() const { return size_; }
   int operator[](std::size_t dense) const {

@@ -60,8 +60,37 @@ double write_union(const Union& u, Index i, Index j, Particles& particles) {
   particles.positions.col(i) = u.position;
   particles.masses[i] = u.mass;
   set_shape_matrix(u.shape, particles, i);
+  if (particles.has_origins()) {  // halves that merge again have one origin, not the same twice
+    const int other = particles.origins(0, j);
+    particles.origins(1, i) = other == particles.origins(0, i) ? -1 : other;
+  }
   return energy_lost;
 }
+
+/// Squared distances between the particles of a cell. A particle that merges moves, but is asked about no more.
+class Near {
+ public:
+  void read(const Particles& particles, std::span<const int> cell) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      along_[axis].resize(cell.size());
+      for (std::size_t a = 0; a < cell.size(); ++a)
+        along_[axis][a] = particles.positions(static_cast<Index>(axis), cell[a]);
+    }
+  }
+  /// To those that come after `a`, at most most_candidates.
+  auto squared_gaps(std::size_t a) {
+    const Index count = std::min(most_candidates, std::ssize(along_[0]) - static_cast<Index>(a) - 1);
+    const auto squared = [&](const std::vector<double>& along) {
+      return (Eigen::Map<const Eigen::ArrayXd>(along.data() + a + 1, count) - along[a]).square();
+    };
+    gaps_.head(count) = squared(along_[0]) + squared(along_[1]) + squared(along_[2]);
+    return gaps_.head(count);
+  }
+
+ private:
+  std::array<std::vector<double>, 3> along_;  // positions
+  Eigen::Array<double, most_candidates, 1> gaps_;
+};
 
 class Merger {
  public:
@@ -81,10 +110,10 @@ class Merger {
   }
 
   /// `cell`: its particles, in their order.
-  void merge_within(std::span<const int> cell, MergeReport& report) {
+  void merge_within(std::span<const int> cell, Near& near, MergeReport& report) {
     auto left = static_cast<Index>(cell.size());
     if (left <= fewest_) return;
-    Near near(particles_, cell);
+    near.read(particles_, cell);
     for (std::size_t a = 0; a < cell.size() && left > fewest_; ++a) {
       if (gone_[static_cast<std::size_t>(cell[a])]) continue;
       const Index j = partner(cell, a, near);
@@ -107,30 +136,6 @@ class Merger {
   }
 
  private:
-  /// Squared distances between the particles of a cell. A particle that merges moves, but is asked about no more.
-  class Near {
-   public:
-    Near(const Particles& particles, std::span<const int> cell)
-        : positions_(static_cast<Index>(cell.size()), 3), gaps_(most_candidates) {
-      for (std::size_t a = 0; a < cell.size(); ++a)
-        positions_.row(static_cast<Index>(a)) = particles.positions.col(cell[a]).transpose();
-    }
-    /// To those that come after `a`, at most most_candidates.
-    auto squared_gaps(std::size_t a) {
-      const auto first = static_cast<Index>(a);
-      const Index count = std::min(most_candidates, positions_.rows() - first - 1);
-      const auto along = [&](Index axis) {
-        return (positions_.col(axis).segment(first + 1, count) - positions_(first, axis)).square();
-      };
-      gaps_.head(count) = along(0) + along(1) + along(2);
-      return gaps_.head(count);
-    }
-
-   private:
-    Eigen::Array<double, Eigen::Dynamic, 3> positions_;  // a row each, so that each axis is contiguous
-    Eigen::ArrayXd gaps_;
-  };
-
   /// The nearest of those behind place `a` of the cell that may merge with it; -1 where none may.
   Index partner(std::span<const int> cell, std::size_t a, Near& near) const {
     Index nearest = -1;
@@ -180,12 +185,13 @@ MergeReport merge(const Grid& grid, std::span<const Material> materials, const A
   Merger merger(grid, materials, allowed, rules, dt, particles);
   const auto block = [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     MergeReport report;
-    std::vector<int> cell;
+    static thread_local std::vector<int> cell;  // keeps its memory, as `near` does
+    static thread_local Near near;
     for (auto c = static_cast<std::size_t>(begin); c < static_cast<std::size_t>(end); ++c) {
       cell.clear();
       for (int place = points.first[c]; place < points.first[c + 1]; ++place)
         cell.push_back(points.point(place));
-      merger.merge_within(cell, report);
+      merger.merge_within(cell, near, report);
     }
     return report;
   };

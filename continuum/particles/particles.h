@@ -20,9 +20,20 @@ struct Particles {
   /// Velocity gradient d v_i / d x_j carried by a particle (APIC), 1/s, column-major 3 x 3. With FLIP there are no columns,
   /// which stands for zero.
   Eigen::Matrix<double, 9, Eigen::Dynamic> gradients;
+  /// The particles that each one was made of, by the numbers they had when track_origins was called; -1 for none. Sorting and
+  /// removal carry them along, children have their parent's, what a merge makes has those of both (none twice), what a source
+  /// sends has none. Without columns nothing is tracked.
+  Eigen::Matrix<int, 2, Eigen::Dynamic> origins;
 
   Eigen::Index count() const { return masses.size(); }
   bool has_gradients() const { return gradients.cols() > 0; }
+  bool has_origins() const { return origins.cols() > 0; }
+
+  /// From here on, until origins are emptied. Two suffice for a step: a particle merges at most once in it.
+  void track_origins() {
+    origins.resize(2, count());
+    for (Eigen::Index p = 0; p < count(); ++p) origins.col(p) << static_cast<int>(p), -1;
+  }
 
   /// Keeps the first n, or adds particles whose values are still to be set.
   void resize(Eigen::Index n) {
@@ -32,6 +43,7 @@ struct Particles {
     materials.resize(static_cast<std::size_t>(n));
     shapes.conservativeResize(6, n);
     if (has_gradients()) gradients.conservativeResize(9, n);
+    if (has_origins()) origins.conservativeResize(2, n);
   }
   /// Overwrites particle `to` with particle `from`.
   void copy(Eigen::Index from, Eigen::Index to) {
@@ -41,6 +53,7 @@ struct Particles {
     materials[static_cast<std::size_t>(to)] = materials[static_cast<std::size_t>(from)];
     shapes.col(to) = shapes.col(from);
     if (has_gradients()) gradients.col(to) = gradients.col(from);
+    if (has_origins()) origins.col(to) = origins.col(from);
   }
 };
 

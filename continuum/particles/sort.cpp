@@ -40,6 +40,7 @@ void sort_by_cell(PointsByCell& points, Particles& particles) {
   reorder(order, particles.velocities);
   reorder(order, particles.shapes);
   if (particles.has_gradients()) reorder(order, particles.gradients);
+  if (particles.has_origins()) reorder(order, particles.origins);
   Eigen::ArrayXd masses(particles.count());
   reorder_entries(order, particles.masses.data(), masses.data());
   particles.masses.swap(masses);

@@ -71,6 +71,7 @@ EmissionReport emit(std::span<const Material> materials, double time, std::vecto
         particles.masses[p] = mass;
         particles.materials[static_cast<std::size_t>(p)] = source.material;
         if (particles.has_gradients()) particles.gradients.col(p).setZero();
+        if (particles.has_origins()) particles.origins.col(p).setConstant(-1);
         set_shape_matrix(sphere_of_volume(volume), particles, p);
         ++p;
       }

@@ -48,6 +48,20 @@ Lattice fill(const Scene& scene, const Filling& filling, Random& symmetric) {
   return lattice;
 }
 
+/// Points follow mass: a particle of mass rho_max h^3 / per_cell has as many as the scene says, one of a lattice whose spacing
+/// is not quite h / per_cell_axis, to fill its shape exactly, a share more or fewer.
+RenderPoints initial_render_points(const Scene& scene, const State& state) {
+  const double per_volume = scene.render_points_per_particle *
+                            scene.particles_per_cell.cast<double>().prod() / scene.grid.cell_volume();
+  const ActiveRegion region =
+      make_active_region(state.grid, state.sides, state.particles.positions, state.openings);
+  const Eigen::ArrayXd friction = Eigen::ArrayXd::Zero(state.particles.count());  // fill does not hang on it
+  const std::vector<Cover> cover =
+      cover_of_cells(region, deposit(region, state.particles, state.materials, friction).fill);
+  return sample_render_points({state.grid, state.sides, state.openings, &region, cover}, state.materials,
+                              per_volume, scene.seed, state.particles);
+}
+
 }  // namespace
 
 State initial_state(const Scene& scene) {
@@ -62,6 +76,7 @@ State initial_state(const Scene& scene) {
               0.0,
               {},
               false,
+              {},
               {}};
   std::mt19937_64 random(scene.seed);
   // Portable: the standard fixes the engine's numbers, not the distributions'.
@@ -84,6 +99,7 @@ State initial_state(const Scene& scene) {
       ++p;
     }
   }
+  if (scene.render_points_per_particle > 0) state.render_points = initial_render_points(scene, state);
   return state;
 }
 

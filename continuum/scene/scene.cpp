@@ -16,6 +16,7 @@ namespace {
 constexpr double largest_friction_angle_deg = 60.0;
 constexpr double most_cells = 5e7;  // every cell takes some 60 bytes, used or not, and with walls 80 more
 constexpr double most_particles = 1e8;
+constexpr double most_render_points = 1e9;
 constexpr double most_frames = 1e6;
 constexpr std::array<std::string_view, 3> axis_names{"x", "y", "z"};
 
@@ -239,6 +240,20 @@ Eigen::Vector3i read_particles_per_cell(const CheckedTable& particles) {
   return particles.integer_vector("per_cell", 1, most);
 }
 
+/// `particles`: of all shapes together, at most.
+int read_render_points(const CheckedTable& root, double particles) {
+  constexpr int most_per_particle = 1000;
+  const auto table = root.optional_table("render_points");
+  if (!table) return 0;
+  const auto per_particle = static_cast<int>(table->integer("per_particle", 0, most_per_particle));
+  if (per_particle * particles > most_render_points) {
+    throw table->error("per_particle", fmt::format("gives {:.3g} points; at most {:.0g}",
+                                                   per_particle * particles, most_render_points));
+  }
+  table->finish();
+  return per_particle;
+}
+
 }  // namespace
 
 Scene read_scene(const std::filesystem::path& file) {
@@ -272,6 +287,7 @@ Scene read_scene(const std::filesystem::path& file) {
   scene.seed =
       static_cast<std::uint64_t>(particles.integer("seed", 0, std::numeric_limits<std::int64_t>::max()));
   const double per_cell = scene.particles_per_cell.prod();
+  double most_at_start = 0.0;
   for (const Filling& filling : scene.fillings) {
     const double count = bounds(filling.shape).sizes().prod() / scene.grid.cell_volume() * per_cell;
     if (count > most_particles) {
@@ -279,6 +295,7 @@ Scene read_scene(const std::filesystem::path& file) {
           particles.has("per_cell") ? "per_cell" : "per_cell_axis",
           fmt::format("gives {:.3g} particles in one shape; at most {:.0g}", count, most_particles));
     }
+    most_at_start += count;
   }
   scene.sources = read_sources(root, scene.materials, scene.walls, scene.grid,
                                scene.grid.spacing / scene.particles_per_cell.maxCoeff());
@@ -289,6 +306,7 @@ Scene read_scene(const std::filesystem::path& file) {
     scene.settings.transfer = Transfer::apic;
   scene.settings.reshape = particles.boolean("split_and_merge", scene.settings.reshape);
   particles.finish();
+  scene.render_points_per_particle = read_render_points(root, most_at_start);
 
   const CheckedTable time = root.table("time");
   scene.end_time = time.number("end_s", positive);

@@ -29,16 +29,17 @@ struct Scene {
   Eigen::Vector3i particles_per_cell;  // along each axis: a lattice
   double jitter;                       // of the lattice, as a fraction of its spacing
   std::uint64_t seed;
-  double end_time;        // s
-  double frame_interval;  // s
+  int render_points_per_particle = 0;  // of mass rho_max h^3 / per_cell; others in proportion. 0: none
+  double end_time;                     // s
+  double frame_interval;               // s
   StepSettings settings;
 };
 
 /// Reads and checks a scene. Throws InputError naming file, line, key, value and what is allowed.
 Scene read_scene(const std::filesystem::path& file);
 
-/// The state at time zero: particles on a jittered lattice in every filling. Throws InputError when a filling holds no
-/// particle or two of them overlap.
+/// The state at time zero: particles on a jittered lattice in every filling, with their render points. Throws InputError
+/// when a filling holds no particle or two of them overlap.
 State initial_state(const Scene& scene);
 
 }  // namespace talus

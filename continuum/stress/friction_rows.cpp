@@ -347,14 +347,14 @@ template <class Real>
 void FrictionRows<Real>::extrapolate(const RowFields<Real>& now, const RowFields<Real>& before, Real beta,
                                      RowFields<Real>& ahead) const {
   constexpr std::ptrdiff_t block = 4096;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const Real *v = now[axis].data(), *v_before = before[axis].data();
-    Real* v_ahead = ahead[axis].data();
-    for_each_block(layout_.nodes, block, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+  for_each_block(layout_.nodes, block, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {  // within the block: one barrier, not three
+      const Real *v = now[axis].data(), *v_before = before[axis].data();
+      Real* v_ahead = ahead[axis].data();
 #pragma omp simd
       for (std::ptrdiff_t i = begin; i < end; ++i) v_ahead[i] = v[i] + beta * (v[i] - v_before[i]);
-    });
-  }
+    }
+  });
 }
 
 template class FrictionRows<float>;

@@ -272,6 +272,38 @@ Kernel reshaping(const Specimen& s, Start) {
           }};
 }
 
+/// What a step does to render points: reads a face field and its particles' positions and shapes; reads and writes offsets to
+/// move them, offsets and identities to lay them out anew. Of flops, a point: 2 x 4 and 3 interpolations of 16 to move; an
+/// ellipsoid's distance. Twelve points a particle, about the median of the source's table 5.1.
+Kernel render_points(const Specimen& s, Start) {
+  constexpr int each = 12;
+  constexpr double offset = 3.0 * sizeof(float), identity = sizeof(std::uint32_t);
+  const Counts n(s);
+  struct Data {
+    Particles particles;
+    RenderPoints original, drawn;
+  };
+  const auto data = std::make_shared<Data>();
+  data->particles = s.state.particles;
+  const Surroundings around{s.state.grid, s.state.sides, s.state.openings, nullptr, {}};
+  data->original = sample_render_points(around, s.state.materials, each * 8.0 / s.state.grid.cell_volume(), 1,
+                                        data->particles);
+  data->particles.track_origins();
+  const auto points = static_cast<double>(data->original.count());
+  return {{(4.0 * offset + 2.0 * identity) * points + 3.0 * vector * n.particles + number * n.all_faces +
+               index * n.cells,
+           (3.0 * (weights_flops + 16.0) + 9.0 + 18.0) * points},
+          {},
+          [data] { data->drawn = data->original; },
+          [&s, data, around] {
+            return timed([&] {
+              move_render_points(s.region(), s.points, s.velocity, s.moment.dt, data->particles, data->drawn);
+              return hand_over(around, s.state.materials, data->particles.positions, data->particles,
+                               data->drawn);
+            });
+          }};
+}
+
 /// Reads and writes the stress, and where the cells are in both regions.
 Kernel carrying_over(const Specimen& s, Start) {
   const Counts n(s);
@@ -301,6 +333,7 @@ std::vector<NamedKernel> kernels() {
       {"gather", false, gather},
       {"advance", false, advancing},
       {"split_and_merge", false, reshaping},
+      {"render_points", false, render_points},
   };
 }
 

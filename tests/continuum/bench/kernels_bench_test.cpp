@@ -56,7 +56,7 @@ TEST(KernelsBench, TimesEveryKernelWarmAndColdAgainstTheMachine) {
   EXPECT_THAT(names, ElementsAre("D1", "D1_transpose", "D2", "D2_transpose", "advance", "carry_over",
                                  "density_correction", "deposit", "friction_apply",
                                  "friction_apply_transpose", "friction_solve", "gather", "make_active_region",
-                                 "pressure_solve", "split_and_merge"));
+                                 "pressure_solve", "render_points", "split_and_merge"));
   EXPECT_THAT(starts, ElementsAre("cold", "warm"));
 }
 

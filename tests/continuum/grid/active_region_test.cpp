@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <random>
+#include <tuple>
+#include <type_traits>
+#include <utility>
 
 #include "tests/continuum/grid/ragged_region.h"
 
@@ -51,9 +54,16 @@ class ActiveRegionTables : public ::testing::TestWithParam<testing::Setting> {
     return !grid_.periodic[static_cast<std::size_t>(axis)] && (i[axis] == 0 || i[axis] == grid_.cells[axis]);
   }
 
+  /// In the memory of another region, as every step but the first makes it: none of that one's entries may be left.
+  ActiveRegion in_spent_memory(const testing::RaggedSand& sand) {
+    ActiveRegion other = testing::ragged_sand(GetParam(), random_).region();
+    return make_active_region(sand.grid, sand.sides, points_by_cell(sand.grid, sand.positions), sand.openings,
+                              std::move(other));
+  }
+
   std::mt19937_64 random_{23};
   testing::RaggedSand sand_ = testing::ragged_sand(GetParam(), random_);
-  ActiveRegion region_ = sand_.region();
+  ActiveRegion region_ = in_spent_memory(sand_);
   const Grid& grid_ = region_.grid;
 };
 
@@ -160,6 +170,97 @@ TEST_P(ActiveRegionTables, InnerEdgesAreThoseWithFourFacesAndWallEdgesHaveOne) {
   }
   EXPECT_EQ(inner, region_.inner_edges);
   EXPECT_EQ(inner + on_walls, region_.edge_count());
+}
+
+bool same(const Eigen::ArrayXd& a, const Eigen::ArrayXd& b) { return a.size() == b.size() && (a == b).all(); }
+bool same(const SparseIndex& a, const SparseIndex& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i] != b[i]) return false;
+  }
+  return true;
+}
+bool same(const Grid& a, const Grid& b) {
+  return a.origin == b.origin && a.spacing == b.spacing && a.cells == b.cells && a.periodic == b.periodic;
+}
+// Structured bindings take every member, so that one that is added does not compile before it is compared.
+bool same(const CellStencil& one, const CellStencil& other) {
+  const auto tied = [](const CellStencil& x) {
+    const auto& [cells, faces] = x;
+    return std::tie(cells, faces);
+  };
+  return tied(one) == tied(other);
+}
+bool same(const WallFace& one, const WallFace& other) {
+  const auto tied = [](const WallFace& x) {
+    const auto& [face, cell, axis, inward, friction, area, along, edges] = x;
+    return std::tie(face, cell, axis, inward, friction, area, along, edges);
+  };
+  return tied(one) == tied(other);
+}
+bool same(const Contact& one, const Contact& other) {
+  const auto tied = [](const Contact& x) {
+    const auto& [cell, normal, area, friction, faces, tangents] = x;
+    return std::tie(cell, normal, area, friction, faces, tangents);
+  };
+  return tied(one) == tied(other);
+}
+bool same(const Closure& one, const Closure& other) {
+  const auto tied = [](const Closure& x) {
+    const auto& [cell, axis, normal_share, faces, weight] = x;
+    return std::tie(cell, axis, normal_share, faces, weight);
+  };
+  return tied(one) == tied(other);
+}
+bool same(int a, int b) { return a == b; }
+template <class Value, std::size_t n>
+bool same(const std::array<Value, n>& a, const std::array<Value, n>& b) {
+  if constexpr (std::is_same_v<Value, int>) return a == b;
+  return std::equal(a.begin(), a.end(), b.begin(), [](const Value& x, const Value& y) { return same(x, y); });
+}
+template <class Value>
+bool same(const std::vector<Value>& a, const std::vector<Value>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Value& x, const Value& y) { return same(x, y); });
+}
+
+void expect_same(const ActiveRegion& one, const ActiveRegion& other) {
+  const auto tied = [](const ActiveRegion& region) {
+    const auto& [grid, dense_of_cell, cell_of_dense, cell_neighbours, cell_stencils, cell_faces, cell_edges,
+                 cell_parity, cell_share, cell_kernel, open_faces, face_axis, face_cells, face_strained_cells,
+                 face_area, face_kernel, face_edges, face_of_dense, wall_faces, contacts, closures,
+                 inner_edges, edge_axis, edge_faces, edge_copies, edge_of_dense] = region;
+    return std::tie(grid, dense_of_cell, cell_of_dense, cell_neighbours, cell_stencils, cell_faces,
+                    cell_edges, cell_parity, cell_share, cell_kernel, open_faces, face_axis, face_cells,
+                    face_strained_cells, face_area, face_kernel, face_edges, face_of_dense, wall_faces,
+                    contacts, closures, inner_edges, edge_axis, edge_faces, edge_copies, edge_of_dense);
+  };
+  const auto first = tied(one), second = tied(other);
+  const auto expect = [](bool is_same, std::size_t member) { EXPECT_TRUE(is_same) << "member " << member; };
+  [&]<std::size_t... member>(std::index_sequence<member...>) {
+    (expect(same(std::get<member>(first), std::get<member>(second)), member), ...);
+  }
+  (std::make_index_sequence<std::tuple_size_v<decltype(first)>>());
+}
+
+TEST_P(ActiveRegionTables, AreTheSameInTheMemoryOfALargerRegionAndOfASmallerOne) {
+  testing::RaggedSand few = sand_, more = sand_;
+  few.positions = sand_.positions.leftCols(std::max<Eigen::Index>(1, sand_.positions.cols() / 3)).eval();
+  const testing::RaggedSand others = testing::ragged_sand(GetParam(), random_);
+  more.positions.resize(3, sand_.positions.cols() + others.positions.cols());
+  more.positions << sand_.positions, others.positions;
+  ASSERT_LT(few.region().cell_count(), sand_.region().cell_count());
+  ASSERT_GT(more.region().cell_count(), sand_.region().cell_count());
+  const auto spending = [&](ActiveRegion&& spent) {
+    return make_active_region(sand_.grid, sand_.sides, points_by_cell(sand_.grid, sand_.positions),
+                              sand_.openings, std::move(spent));
+  };
+  const ActiveRegion fresh = sand_.region();
+  for (const testing::RaggedSand* before : {&few, &more}) {
+    expect_same(fresh, spending(before->region()));
+    ActiveRegion warm = before->region();
+    expect_same(fresh, spending(take_tables(warm)));  // as a step does
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Settings, ActiveRegionTables, testing::ragged_settings, testing::name_of_setting);

@@ -80,6 +80,31 @@ TEST(Scene, RefusesWhatCannotBeMeant) {
   expect_error(with("jitter = 0.5", "jitter = 0.5\njiter = 1"), "did you mean 'jitter'");
 }
 
+TEST(Scene, HasRenderPointsWhereItAsksForThem) {
+  EXPECT_EQ(read(good_scene).render_points_per_particle, 0);
+  EXPECT_FALSE(initial_state(read(good_scene)).render_points.wanted());
+  const Scene scene = read(good_scene + "[render_points]\nper_particle = 12\n");
+  EXPECT_EQ(scene.render_points_per_particle, 12);
+  const State state = initial_state(scene);
+  EXPECT_GT(state.render_points.count(), 0);
+  EXPECT_FALSE(state.particles.has_origins());
+  for (std::size_t p = 0; p < state.render_points.hidden.size(); ++p) {
+    const std::int64_t points = state.render_points.first[p + 1] - state.render_points.first[p];
+    EXPECT_EQ(points, state.render_points.hidden[p] ? 0 : 12);
+  }
+  expect_error(good_scene + "[render_points]\nper_particle = -1\n", "between 0 and 1000");
+  // What counts is all shapes together.
+  const std::string sand = "[[sand]]\nmaterial = \"sand\"\nshape = { kind = \"box\", ",
+                    left = sand + "lower_m = [0.0, 0.0, 0.0], upper_m = [10.0, 0.01, 8.0] }\n",
+                    right = sand + "lower_m = [10.0, 0.0, 0.0], upper_m = [20.0, 0.01, 8.0] }\n",
+                    wide = with("size_m = [0.2, 0.01, 0.1]", "size_m = [21.0, 0.01, 10.0]"),
+                    points = "[render_points]\nper_particle = 100\n";  // of 6.4 million particles a shape
+  EXPECT_EQ(read(wide + left + points).fillings.size(), 2u);
+  expect_error(wide + left + right + points, "gives 1.28e+09 points; at most 1e+09");
+  expect_error(good_scene + "[render_points]\nper_partikel = 1\n", "per_particle");
+  expect_error(good_scene + "[render_points]\nper_particle = 1\ncolour = 2\n", "colour");
+}
+
 const std::string ramp =
     "[[wall]]\nshape = { kind = \"plane\", point_m = [0.1, 0.0, 0.0], normal = [-1.0, 0.0, 1.0] }\n"
     "friction_angle_deg = 45.0\n";

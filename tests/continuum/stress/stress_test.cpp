@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "continuum/stress/friction.h"
+#include "continuum/stress/paper_scheme.h"
 #include "continuum/stress/pressure.h"
+#include "tests/continuum/grid/ragged_region.h"
 #include "tests/continuum/scenes.h"
 
 namespace talus {
@@ -54,6 +56,25 @@ TEST(WarmStart, NewCellsStartWithoutStress) {
   const Stress carried = carry_over(from, stress, to, 1.0);
   EXPECT_EQ((carried.pressure == 3.0).count(), from.cell_count() / 2);
   EXPECT_EQ(carried.pressure.sum(), 3.0 * from.cell_count() / 2);
+}
+
+TEST(WarmStart, NeedsNoneOfTheTablesThatARegionGivesAway) {
+  std::mt19937_64 random(29);
+  const testing::Setting setting{"with_solids", {false, true, false}, {6, 5, 7}, true};
+  ActiveRegion from = testing::ragged_sand(setting, random).region();
+  const ActiveRegion to = testing::ragged_sand(setting, random).region();
+  Stress stress = zero_stress(from);
+  stress.copies = testing::random_field(stress.copies.size(), random);
+  PaperStress paper = zero_paper_stress(from);
+  paper.friction.shear = testing::random_field(paper.friction.shear.size(), random);
+  const Stress whole = carry_over(from, stress, to, 0.5);
+  const PaperStress whole_paper = carry_over(from, paper, to, 0.5);
+  const ActiveRegion taken = take_tables(from);
+  EXPECT_EQ(std::ssize(taken.cell_stencils), from.cell_count());
+  EXPECT_TRUE((carry_over(from, stress, to, 0.5).copies == whole.copies).all());
+  EXPECT_TRUE((carry_over(from, paper, to, 0.5).friction.shear == whole_paper.friction.shear).all());
+  EXPECT_GT(whole.copies.abs().maxCoeff(), 0.0);
+  EXPECT_GT(whole_paper.friction.shear.abs().maxCoeff(), 0.0);
 }
 
 TEST(Pressure, StopsCompressionNeverPullsAndLeavesRoomToBeCompressedInto) {
