@@ -17,6 +17,23 @@ namespace {
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr std::array<std::string_view, 2> statuses{"provisional", "calibrated"};
 
+/// All of the law or nothing of it.
+std::optional<FrictionLaw> read_friction_law(const CheckedTable& table) {
+  if (!table.has("mu_1") && !table.has("mu_2") && !table.has("I_0")) return std::nullopt;
+  constexpr Range friction{0.01, 10.0}, friction_uncertainty{0.0, 10.0};
+  const FrictionLaw law{
+      .mu_1 = table.number("mu_1", friction),
+      .mu_1_uncertainty = table.number("mu_1_uncertainty", friction_uncertainty),
+      .mu_2 = table.number("mu_2", friction),
+      .mu_2_uncertainty = table.number("mu_2_uncertainty", friction_uncertainty),
+      .I_0 = table.number("I_0", {1e-4, 100.0}),
+      .I_0_uncertainty = table.number("I_0_uncertainty", {0.0, 100.0}),
+  };
+  if (!(law.mu_2 > law.mu_1))
+    throw table.error("mu_2", fmt::format("must be above mu_1 = {}: friction grows with the rate", law.mu_1));
+  return law;
+}
+
 MaterialConstants read_material(const CheckedTable& table) {
   MaterialConstants constants{
       .friction_angle = degree * table.number("friction_angle_deg", {1.0, 60.0}),
@@ -25,6 +42,7 @@ MaterialConstants read_material(const CheckedTable& table) {
       .max_volume_fraction_uncertainty = table.number("max_volume_fraction_uncertainty", {0.0, 0.1}),
       .status = table.choice("status", statuses),
       .source = table.string("source"),
+      .friction_law = read_friction_law(table),
   };
   table.finish();
   return constants;

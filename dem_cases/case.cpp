@@ -8,17 +8,28 @@
 #include <numbers>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
 #include "continuum/files/provenance.h"
+#include "dem_cases/read_geometry.h"
 
 namespace talus::dem {
 namespace {
 
-constexpr std::array<std::string_view, 2> floors{"rough", "flat"};
-constexpr std::array<std::string_view, 6> observables{"runout",         "x90",          "x95",
-                                                      "centre_of_mass", "final_height", "stop_time"};
+constexpr std::array<std::string_view, 6> kinds{
+    "column_collapse", "cylinder_collapse", "heap", "slot", "hourglass", "ledge"};
+
+/// What can be measured of each kind (measure.h).
+std::vector<std::string_view> observables_of(std::string_view kind) {
+  if (kind == "column_collapse")
+    return {"runout", "x90", "x95", "centre_of_mass", "final_height", "stop_time"};
+  if (kind == "cylinder_collapse")
+    return {"runout", "r90", "r95", "mean_radius", "final_height", "stop_time"};
+  if (kind == "slot" || kind == "hourglass") return {"discharge_rate"};
+  return {"repose_angle"};
+}
 
 /// `whole` must be a whole number of `part`: the discrete codes count steps, and snapshots must fall on them.
 void require_multiple(const CheckedTable& table, std::string_view key, double whole,
@@ -29,47 +40,6 @@ void require_multiple(const CheckedTable& table, std::string_view key, double wh
         key, fmt::format("must be a whole multiple of {} = {}; nearest are {:.9g} and {:.9g}", part_key, part,
                          std::max(1.0, std::floor(count)) * part, (std::floor(count) + 1.0) * part));
   }
-}
-
-Grains read_grains(const CheckedTable& table) {
-  const Grains grains{
-      .diameter = table.number("diameter_m", {smallest_positive, 0.1}),
-      .diameter_spread = table.number("diameter_spread", {0.0, 0.3}),
-      .density = table.number("density_kg_m3", {100.0, 20000.0}),
-      .youngs_modulus = table.number("youngs_modulus_pa", {1e5, 1e12}),
-      .poissons_ratio = table.number("poissons_ratio", {0.0, 0.49}),
-  };
-  table.finish();
-  return grains;
-}
-
-Geometry read_geometry(const CheckedTable& table, const Grains& grains) {
-  const Geometry geometry{
-      .column_length = table.number("column_length_m", {smallest_positive, 100.0}),
-      .column_height = table.number("column_height_m", {smallest_positive, 100.0}),
-      .thickness = table.number("thickness_m", {smallest_positive, 100.0}),
-      .tank_length = table.number("tank_length_m", {smallest_positive, 1000.0}),
-      .rough_floor = table.choice("floor", floors) == "rough",
-  };
-  table.finish();
-  const double d = grains.diameter;
-  if (geometry.column_length < 4.0 * d) {
-    throw table.error("column_length_m", fmt::format("must be at least 4 grain diameters, {:.6g}", 4.0 * d));
-  }
-  if (geometry.column_height < 2.0 * d) {
-    throw table.error("column_height_m", fmt::format("must be at least 2 grain diameters, {:.6g}", 2.0 * d));
-  }
-  // Thinner, a grain would touch its own periodic image's neighbours twice.
-  if (geometry.thickness < 3.0 * d * (1.0 - 1e-9)) {
-    throw table.error("thickness_m", fmt::format("must be at least 3 grain diameters, {:.6g}", 3.0 * d));
-  }
-  if (geometry.tank_length < geometry.column_length + 2.0 * d) {
-    throw table.error("tank_length_m",
-                      fmt::format("must leave room in front of the gate: more than column_length_m + 2 "
-                                  "grain diameters, {:.6g}",
-                                  geometry.column_length + 2.0 * d));
-  }
-  return geometry;
 }
 
 Contact read_contact(const CheckedTable& table) {
@@ -108,10 +78,8 @@ Protocol read_protocol(const CheckedTable& table) {
 /// What one machine can hold and run; far more than any case so far.
 void check_size(const Case& column, const CheckedTable& grains, const CheckedTable& protocol) {
   constexpr double most_grains = 1e7, most_steps = 1e10, most_snapshots = 1e5;
-  const Geometry& g = column.geometry;
-  const double grain_volume = std::numbers::pi / 6.0 * std::pow(column.grains.diameter, 3);
   const double count =
-      column.protocol.volume_fraction * g.column_length * g.column_height * g.thickness / grain_volume;
+      expected_grains(column) + floor_area(column.geometry) / std::pow(column.grains.diameter, 2);
   if (!(count <= most_grains))
     throw grains.error("diameter_m", fmt::format("gives {:.3g} grains; at most {:.0g}", count, most_grains));
   const double steps = (column.protocol.settle_time + column.protocol.run_time) / column.protocol.time_step;
@@ -124,7 +92,8 @@ void check_size(const Case& column, const CheckedTable& grains, const CheckedTab
   }
 }
 
-std::vector<ObservableBand> read_observables(const CheckedTable& root) {
+std::vector<ObservableBand> read_observables(const CheckedTable& root, std::string_view kind) {
+  const auto observables = observables_of(kind);
   std::vector<ObservableBand> bands;
   std::set<std::string> seen;
   for (const auto& table : root.tables("observable")) {
@@ -139,45 +108,133 @@ std::vector<ObservableBand> read_observables(const CheckedTable& root) {
   return bands;
 }
 
-std::string read_name(const CheckedTable& root, std::string_view key) {
-  std::string name = root.string(key);
-  const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '_' || c == '-';
+bool names_a_folder(std::string_view name) {
+  return !name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '_' || c == '-' || c == '.';
   });
-  if (!plain) throw root.error(key, "must be letters, digits, '_' and '-': it names folders and tables");
+}
+
+constexpr std::string_view plain_name =
+    "must be letters, digits, '_', '-' and '.': it names folders and tables";
+
+}  // namespace
+
+Grains read_grains(const CheckedTable& table) {
+  const Grains grains{
+      .diameter = table.number("diameter_m", {smallest_positive, 0.1}),
+      .diameter_spread = table.number("diameter_spread", {0.0, 0.3}),
+      .density = table.number("density_kg_m3", {100.0, 20000.0}),
+      .youngs_modulus = table.number("youngs_modulus_pa", {1e5, 1e12}),
+      .poissons_ratio = table.number("poissons_ratio", {0.0, 0.49}),
+  };
+  table.finish();
+  return grains;
+}
+
+std::string read_folder_name(const CheckedTable& root, std::string_view key) {
+  std::string name = root.string(key);
+  if (!names_a_folder(name)) throw root.error(key, plain_name);
   return name;
+}
+
+namespace {
+
+Ruler read_ruler(const CheckedTable& table, const Case& a_case) {
+  const double d = a_case.grains.diameter, height = fill_height(a_case.geometry);
+  Ruler ruler{};
+  ruler.profile_bin = table.number("profile_bin_m", {0.25 * d, height});
+  if (a_case.kind.ends_with("collapse")) ruler.front_depth = table.number("front_depth_m", {0.1 * d, height});
+  if (a_case.kind == "slot" || a_case.kind == "hourglass") {
+    ruler.window_upper = table.number("window_upper", {0.1, 1.0});
+    ruler.window_lower = table.number("window_lower", {0.0, ruler.window_upper - 0.05});
+  }
+  table.finish();
+  return ruler;
+}
+
+std::vector<std::uint64_t> read_seeds(const CheckedTable& table, std::string_view key,
+                                      bool may_be_empty = false) {
+  std::vector<std::uint64_t> seeds;
+  for (const auto seed : table.integers(key, 0, 1'000'000'000, may_be_empty))
+    seeds.push_back(static_cast<std::uint64_t>(seed));
+  return seeds;
 }
 
 }  // namespace
 
-Case read_case(const std::filesystem::path& file) {
-  const auto root = CheckedTable::parse_file(file);
+double expected_grains(const Case& a_case) {
+  const double grain_volume = std::numbers::pi / 6.0 * std::pow(a_case.grains.diameter, 3);
+  return a_case.protocol.volume_fraction * fill_volume(a_case.geometry) / grain_volume;
+}
+
+const ColumnGeometry& column_geometry(const Case& column) {
+  if (const auto* geometry = std::get_if<ColumnGeometry>(&column.geometry)) return *geometry;
+  throw InputError(
+      fmt::format("{}: is a {}; a column_collapse is needed here", column.file.string(), column.kind));
+}
+
+ColumnGeometry& column_geometry(Case& column) {
+  return const_cast<ColumnGeometry&>(column_geometry(std::as_const(column)));
+}
+
+/// The tube must come clear of the heap.
+static void check_lift(const HeapGeometry& heap, const Protocol& protocol, const CheckedTable& table) {
+  if (heap.lift_speed * protocol.run_time < heap.height) {
+    throw table.error("lift_speed_m_s",
+                      fmt::format("lifts the tube by {:.4g} m in protocol.run_time_s; it must be at least "
+                                  "height_m = {}, or the tube still holds the heap",
+                                  heap.lift_speed * protocol.run_time, heap.height));
+  }
+}
+
+Case read_case(const std::filesystem::path& file, std::string_view point) {
+  if (!point.empty() && !names_a_folder(point))
+    throw InputError(fmt::format("{}: point.name = '{}' {}", file.string(), point, plain_name));
+  const auto root = CheckedTable::parse_point(file, point);
   root.require_schema(1);
-  Case column;
-  constexpr std::array<std::string_view, 1> kinds{
-      "column_collapse"};  // what is released, and what is measured of it
-  root.choice("kind", kinds);
-  column.name = read_name(root, "name");
-  column.title = root.string("title");
-  column.calibration = read_name(root, "material");
-  for (const auto seed : root.integers("seeds", 0, 1'000'000'000))
-    column.seeds.push_back(static_cast<std::uint64_t>(seed));
+  Case a_case;
+  a_case.kind = root.choice("kind", kinds);
+  a_case.name = read_folder_name(root, "name");
+  const std::string own_point = read_folder_name(root, "base_point");
+  a_case.point = point.empty() ? own_point : std::string(point);
+  a_case.title = root.string("title");
+  a_case.calibration = read_folder_name(root, "material");
+  a_case.seeds = read_seeds(root, "seeds");
+  if (const auto reference = root.optional_table("reference")) {
+    for (const std::string code : {"liggghts", "yade"}) {
+      if (reference->has(code + "_seeds"))
+        a_case.reference_seeds[code] = read_seeds(*reference, code + "_seeds", true);
+    }
+    reference->finish();
+  }
   const auto grains = root.table("grains"), protocol = root.table("protocol");
-  column.grains = read_grains(grains);
-  column.geometry = read_geometry(root.table("geometry"), column.grains);
-  column.contact = read_contact(root.table("contact"));
-  column.protocol = read_protocol(protocol);
-  check_size(column, grains, protocol);
-  const auto ruler = root.table("ruler");
-  const double d = column.grains.diameter;
-  column.profile_bin = ruler.number("profile_bin_m", {0.25 * d, column.geometry.column_length});
-  column.front_depth = ruler.number("front_depth_m", {0.1 * d, column.geometry.column_height});
-  ruler.finish();
-  column.observables = read_observables(root);
+  a_case.grains = read_grains(grains);
+  const auto geometry = root.table("geometry");
+  a_case.geometry = read_geometry(geometry, a_case.kind, a_case.grains);
+  a_case.contact = read_contact(root.table("contact"));
+  a_case.protocol = read_protocol(protocol);
+  if (const auto* heap = std::get_if<HeapGeometry>(&a_case.geometry))
+    check_lift(*heap, a_case.protocol, geometry);
+  check_size(a_case, grains, protocol);
+  a_case.ruler = read_ruler(root.table("ruler"), a_case);
+  a_case.observables = read_observables(root, a_case.kind);
   root.finish();
-  column.file = file;
-  column.input_hash = sha256(read_file(file));
-  return column;
+  a_case.file = file;
+  a_case.input_hash = sha256(read_file(file));
+  return a_case;
+}
+
+std::vector<Case> read_case_points(const std::filesystem::path& file) {
+  std::vector<Case> points{read_case(file)};
+  for (const auto& name : CheckedTable::point_names(file)) {
+    points.push_back(read_case(file, name));
+    if (name == points.front().point) {
+      throw InputError(
+          fmt::format("{}: the point '{}' has the name of the file's own, base_point; give it another",
+                      file.string(), name));
+    }
+  }
+  return points;
 }
 
 }  // namespace talus::dem

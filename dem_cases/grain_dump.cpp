@@ -10,6 +10,8 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
+#include "dem_cases/container.h"
+#include "dem_cases/dump_reader.h"
 #include "dem_cases/time_step.h"
 
 namespace talus::dem {
@@ -17,73 +19,21 @@ namespace {
 
 using analysis::Snapshot;
 
-/// Walks a dump line by line and tells where it is when something is wrong.
-class DumpReader {
- public:
-  DumpReader(std::filesystem::path file) : file_(std::move(file)), text_(read_file(file_)) {}
-
-  bool at_end() const { return position_ >= text_.size(); }
-
-  std::string_view line() {
-    const auto end = text_.find('\n', position_);
-    if (end == std::string::npos)
-      throw error("the file ends in the middle of a snapshot: the run did not finish; run it again");
-    const std::string_view found(text_.data() + position_, end - position_);
-    position_ = end + 1;
-    ++line_number_;
-    return found;
-  }
-
-  void expect(std::string_view heading) {
-    const auto found = line();
-    if (!found.starts_with(heading))
-      throw error(fmt::format("'{}' where '{}' belongs; the file is damaged", found, heading));
-  }
-
-  template <class Number>
-  Number next(std::string_view& rest) {
-    rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
-    Number value{};
-    const auto [end, failure] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
-    if (failure != std::errc())
-      throw error(fmt::format("'{}' where a number belongs; the file is damaged", rest));
-    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
-    return value;
-  }
-
-  template <class Number>
-  Number number_line() {
-    auto rest = line();
-    return next<Number>(rest);
-  }
-
-  InputError error(std::string_view why) const {
-    return InputError(fmt::format("{}:{}: {}", file_.string(), line_number_, why));
-  }
-
- private:
-  std::filesystem::path file_;
-  std::string text_;
-  std::size_t position_ = 0;
-  std::size_t line_number_ = 0;
-};
-
-/// Where the centres of grains may be.
-struct Bounds {
-  double low_x, high_x, low_z;
-};
+std::string in_words(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
 
 void check_grain(const DumpReader& reader, std::int64_t id, const Eigen::Vector3d& position,
-                 const Eigen::Vector3d& velocity, const Bounds& bounds) {
-  const auto complain = [&](const char* what) {
+                 const Eigen::Vector3d& velocity, const Container& container, bool released) {
+  const auto complain = [&](const std::string& what) {
     return reader.error(
         fmt::format("grain {} {}: position ({:.6g}, {:.6g}, {:.6g}) m; the run is void, look at its log", id,
                     what, position.x(), position.y(), position.z()));
   };
   if (!position.allFinite() || !velocity.allFinite()) throw complain("is not finite");
-  if (position.z() < bounds.low_z) throw complain("leaked through the floor");
-  if (position.x() < bounds.low_x) throw complain("leaked through the back wall");
-  if (position.x() > bounds.high_x) throw complain("leaked through the gate or the far wall");
+  if (const auto through = leak(container, position, released); !through.empty())
+    throw complain(fmt::format("leaked through the {}", in_words(through)));
 }
 
 Snapshot read_snapshot(DumpReader& reader, const Case& column, const Packing& packing, std::int64_t step) {
@@ -103,11 +53,8 @@ Snapshot read_snapshot(DumpReader& reader, const Case& column, const Packing& pa
   for (int axis = 0; axis < 3; ++axis) reader.line();
   reader.expect("ITEM: ATOMS id x y z vx vy vz");
 
-  const double width = column.geometry.thickness;
-  const Bounds bounds{
-      .low_x = 0.0,
-      .high_x = step == 0 ? column.geometry.column_length : column.geometry.tank_length,
-      .low_z = column.geometry.rough_floor ? -floor_centre_depth * column.grains.diameter : 0.0};
+  const Container container = container_of(column);
+  const double period = container.upper.y() - container.lower.y();
   Snapshot snapshot{.time = static_cast<double>(step) * column.protocol.time_step,
                     .positions = analysis::Vectors(3, count),
                     .velocities = analysis::Vectors(3, count),
@@ -122,8 +69,8 @@ Snapshot read_snapshot(DumpReader& reader, const Case& column, const Packing& pa
     Eigen::Vector3d position, velocity;
     for (double& value : position) value = reader.next<double>(rest);
     for (double& value : velocity) value = reader.next<double>(rest);
-    check_grain(reader, packing.fixed_count + i + 1, position, velocity, bounds);
-    position.y() -= width * std::floor(position.y() / width);
+    check_grain(reader, packing.fixed_count + i + 1, position, velocity, container, step > 0);
+    if (container.periodic) position.y() -= period * std::floor(position.y() / period);
     snapshot.positions.col(i) = position;
     snapshot.velocities.col(i) = velocity;
     snapshot.volumes[i] = 4.0 / 3.0 * std::numbers::pi * std::pow(packing.radii[packing.fixed_count + i], 3);
@@ -134,23 +81,27 @@ Snapshot read_snapshot(DumpReader& reader, const Case& column, const Packing& pa
 void check_at_rest(const DumpReader& reader, const Case& column, const Snapshot& release) {
   const double energy =
       0.5 * (release.velocities.colwise().squaredNorm().transpose().array() * release.volumes.array()).sum();
-  const double scale = release.volumes.sum() * column.protocol.gravity * column.geometry.column_height;
+  const double scale = release.volumes.sum() * column.protocol.gravity * fill_height(column.geometry);
   if (energy / scale > column.protocol.rest_energy) {
     throw reader.error(
-        fmt::format("the column was not at rest when the gate opened: kinetic energy / (m g H0) = {:.3g}, "
+        fmt::format("the fill was not at rest when the gate opened: kinetic energy / (m g H0) = {:.3g}, "
                     "allowed is protocol.rest_energy = {:.3g}; lengthen protocol.settle_time_s in {}",
                     energy / scale, column.protocol.rest_energy, column.file.string()));
   }
 }
 
-void check_far_wall(const DumpReader& reader, const Case& column, const Packing& packing,
-                    const Snapshot& snapshot) {
-  for (Eigen::Index i = 0; i < snapshot.volumes.size(); ++i) {
-    if (snapshot.positions(0, i) + packing.radii[packing.fixed_count + i] >= column.geometry.tank_length) {
-      throw reader.error(fmt::format(
-          "grain {} reached the far wall {:.4g} s after the release; lengthen "
-          "geometry.tank_length_m = {} in {}",
-          packing.fixed_count + i + 1, snapshot.time, column.geometry.tank_length, column.file.string()));
+void check_clear(const DumpReader& reader, const Case& column, const Packing& packing,
+                 const Snapshot& snapshot) {
+  for (const Plane& plane : container_of(column).planes) {
+    if (!plane.must_stay_clear) continue;
+    for (Eigen::Index i = 0; i < snapshot.volumes.size(); ++i) {
+      const double distance = (snapshot.positions(plane.axis, i) - plane.at) * plane.inward;
+      if (distance <= packing.radii[packing.fixed_count + i]) {
+        throw reader.error(fmt::format(
+            "grain {} reached the {} {:.4g} s after the release; lengthen tank_length_m or floor_side_m of "
+            "[geometry] in {}",
+            packing.fixed_count + i + 1, in_words(plane.name), snapshot.time, column.file.string()));
+      }
     }
   }
 }
@@ -171,7 +122,7 @@ analysis::SnapshotSeries read_grain_dump(const Case& column, const Packing& pack
     series.push_back(read_snapshot(reader, column, packing,
                                    schedule.per_snapshot * static_cast<std::int64_t>(series.size())));
     if (series.size() == 1) check_at_rest(reader, column, series.front());
-    check_far_wall(reader, column, packing, series.back());
+    check_clear(reader, column, packing, series.back());
   }
   const auto wanted = static_cast<std::size_t>(schedule.snapshot_count) + 1;
   if (series.size() != wanted) {

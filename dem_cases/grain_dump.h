@@ -13,6 +13,8 @@
 namespace talus::dem {
 
 inline constexpr std::string_view dump_file = "grains.dump";
+/// Contacts of grains with each other at the release and at the end, in the same format.
+inline constexpr std::string_view contacts_file = "contacts.dump";
 inline constexpr std::string_view progress_file =
     "progress.txt";  // a line after each snapshot interval, from the start on
 

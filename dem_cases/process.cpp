@@ -127,29 +127,30 @@ ProcessResult run_process(const ProcessRequest& request) {
   return result;
 }
 
+ScratchFolder::ScratchFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "talus-XXXXXX").string();
+  if (!mkdtemp(name.data())) {
+    throw InputError(fmt::format("cannot make a folder like {}: {}; free some space or set TMPDIR", name,
+                                 std::strerror(errno)));
+  }
+  path_ = name;
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
 std::string output_of(const std::vector<std::string>& command) {
-  struct ScratchFolder {
-    std::string path = (std::filesystem::temp_directory_path() / "talus-XXXXXX").string();
-    ScratchFolder() {
-      if (!mkdtemp(path.data())) {
-        throw InputError(fmt::format("cannot make a folder like {}: {}; free some space or set TMPDIR", path,
-                                     std::strerror(errno)));
-      }
-    }
-    ~ScratchFolder() {
-      std::error_code ignored;
-      std::filesystem::remove_all(path, ignored);
-    }
-  };
   const ScratchFolder folder;
   constexpr std::chrono::seconds enough{30};
   run_process({.command = command,
-               .folder = folder.path,
+               .folder = folder.path(),
                .log = "out",
                .environment = {},
                .time_limit = enough,
                .stop = {}});
-  return read_file(std::filesystem::path(folder.path) / "out");
+  return read_file(folder.path() / "out");
 }
 
 std::filesystem::path find_program(const std::string& name, const std::string& debian_package) {

@@ -34,6 +34,19 @@ ProcessResult run_process(const ProcessRequest& request);
 /// there.
 std::filesystem::path find_program(const std::string& name, const std::string& debian_package);
 
+/// A folder of the system's for temporary files, gone with everything in it afterwards. Throws InputError when it cannot be made.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 /// What a short command prints, stdout and stderr together. Throws InputError when it cannot be started.
 std::string output_of(const std::vector<std::string>& command);
 

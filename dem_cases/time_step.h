@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 
 #include "dem_cases/case.h"
 
@@ -24,6 +25,10 @@ struct TimeStepCheck {
 
 /// Throws InputError naming the case file when either fraction is above its limit.
 TimeStepCheck check_time_step(const Case& column);
+
+/// The same for grains that meet at `largest_speed`, in m/s, whatever moves them.
+TimeStepCheck check_time_step(const Grains& grains, double time_step, double largest_speed,
+                              const std::filesystem::path& case_file);
 
 /// Steps of a run. read_case() has made sure that all of them are whole.
 struct StepSchedule {

@@ -20,11 +20,11 @@ constexpr int schema_version = 1;
 json parameters_of(const dem::Case& c, const ContinuumResolution& resolution) {
   return {
       {"geometry",
-       {{"column_length_m", c.geometry.column_length},
-        {"column_height_m", c.geometry.column_height},
-        {"thickness_m", c.geometry.thickness},
-        {"tank_length_m", c.geometry.tank_length},
-        {"rough_floor", c.geometry.rough_floor}}},
+       {{"column_length_m", column_geometry(c).column_length},
+        {"column_height_m", column_geometry(c).column_height},
+        {"thickness_m", column_geometry(c).thickness},
+        {"tank_length_m", column_geometry(c).tank_length},
+        {"rough_floor", column_geometry(c).rough_floor}}},
       {"grains",
        {{"diameter_m", c.grains.diameter},
         {"diameter_spread", c.grains.diameter_spread},
@@ -44,7 +44,7 @@ json parameters_of(const dem::Case& c, const ContinuumResolution& resolution) {
         {"snapshot_interval_s", c.protocol.snapshot_interval},
         {"time_step_s", c.protocol.time_step},
         {"rest_energy", c.protocol.rest_energy}}},
-      {"ruler", {{"profile_bin_m", c.profile_bin}, {"front_depth_m", c.front_depth}}},
+      {"ruler", {{"profile_bin_m", c.ruler.profile_bin}, {"front_depth_m", c.ruler.front_depth}}},
       {"continuum",
        {{"cells_per_column_length", resolution.cells_per_column_length},
         {"particles_per_cell_axis", resolution.particles_per_cell_axis},
@@ -96,7 +96,7 @@ json assemble_results(const Suite& suite, const std::vector<Job>& jobs, const st
                                 {"input_hash", column.input_hash},
                                 {"parameters", parameters_of(column, suite.resolution)},
                                 {"calibration", calibration_of(suite, suite.cases[c])},
-                                {"column_length_m", column.geometry.column_length},
+                                {"column_length_m", column_geometry(column).column_length},
                                 {"bands", bands},
                                 {"runs", runs}});
   }

@@ -9,6 +9,7 @@
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
 #include "continuum/files/provenance.h"
+#include "dem_cases/measure.h"
 #include "dem_cases/process.h"
 
 namespace talus::validation {
@@ -19,43 +20,6 @@ using nlohmann::json;
 constexpr const char* snapshot_name = "snapshots.h5";
 constexpr const char* record_name = "record.json";
 
-/// One name for all that a run was given: file names and contents, in order.
-std::string hash_of_input(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file()) files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  std::string all;
-  for (const auto& file : files)
-    all += fmt::format("{}\n{}\n", file.filename().string(), sha256(read_file(file)));
-  return sha256(all);
-}
-
-json finite_or_null(double value) { return std::isfinite(value) ? json(value) : json(); }
-
-json to_json(const analysis::CollapseMeasurement& m) {
-  const auto& o = m.observables;
-  return {{"observables",
-           {{"runout", finite_or_null(o.runout)},
-            {"x90", finite_or_null(o.x90)},
-            {"x95", finite_or_null(o.x95)},
-            {"centre_of_mass", finite_or_null(o.centre_of_mass)},
-            {"final_height", finite_or_null(o.final_height)},
-            {"stop_time", finite_or_null(o.stop_time)},
-            {"settled_height", finite_or_null(o.settled_height)},
-            {"settled_volume_fraction", finite_or_null(o.settled_volume_fraction)},
-            {"lost_volume", finite_or_null(o.lost_volume)},
-            {"at_rest", o.at_rest}}},
-          {"curves",
-           {{"time", m.curves.time},
-            {"front", m.curves.front},
-            {"x95", m.curves.x95},
-            {"centre_of_mass", m.curves.centre_of_mass},
-            {"height", m.curves.height}}},
-          {"final_profile", {{"x", m.final_profile.x}, {"depth", m.final_profile.depth}}}};
-}
-
 /// A deposit that the far wall has shaped, or that lost something on the way, is not the case's. Throws InputError.
 void check_inside_tank(const analysis::SnapshotSeries& series, const dem::Case& column) {
   const double released = series.front().volumes.sum();
@@ -65,7 +29,7 @@ void check_inside_tank(const analysis::SnapshotSeries& series, const dem::Case& 
       throw InputError(fmt::format("{:.3g} of the volume was gone at t = {:.4g} s: something left the tank",
                                    lost, snapshot.time));
     }
-    if (snapshot.positions.row(0).maxCoeff() > column.geometry.tank_length - column.grains.diameter) {
+    if (snapshot.positions.row(0).maxCoeff() > column_geometry(column).tank_length - column.grains.diameter) {
       throw InputError(
           fmt::format("at t = {:.4g} s something reached the far wall: raise tank_length_m in {}",
                       snapshot.time, column.file.string()));
@@ -93,16 +57,12 @@ std::filesystem::path run_folder(const std::filesystem::path& output, const std:
   return output / "runs" / case_name / fmt::format("{}_seed{}", backend, seed);
 }
 
-analysis::CollapseRuler ruler_of(const dem::Case& column, double thickness) {
-  return {column.geometry.column_length, thickness, column.profile_bin, column.front_depth};
-}
-
 void run_job(const dem::Case& column, const Job& job, const std::function<bool()>& stop) {
   const auto folder = job.partial_folder();
   std::filesystem::remove_all(folder);
   make_writable_folder(folder);
   job.backend.write_input(folder);
-  const std::string input_hash = hash_of_input(folder);
+  const std::string input_hash = sha256_of_folder(folder);
 
   dem::ProcessRequest request;
   // Should this program be killed, the run goes with it.
@@ -121,7 +81,7 @@ void run_job(const dem::Case& column, const Job& job, const std::function<bool()
   try {
     const auto series = job.backend.read_output(folder);
     check_inside_tank(series, column);
-    json record = to_json(analysis::measure_column_collapse(series, ruler_of(column, job.backend.thickness)));
+    json record = dem::measure(column, series, job.backend.thickness);
     record["backend"] = job.backend_name;
     record["seed"] = job.seed;
     record["status"] = "ok";

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "analysis/observables/column_collapse.h"
 #include "validation/backends/backend.h"
 
 namespace talus::validation {
@@ -49,7 +48,5 @@ nlohmann::json picture_of_run(const nlohmann::json& record, const std::filesyste
 /// Where a finished run of a suite lies.
 std::filesystem::path run_folder(const std::filesystem::path& output, const std::string& case_name,
                                  const std::string& backend, std::uint64_t seed);
-
-analysis::CollapseRuler ruler_of(const dem::Case& column, double thickness);
 
 }  // namespace talus::validation

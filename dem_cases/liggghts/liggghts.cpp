@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <fstream>
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
+#include "dem_cases/container.h"
 #include "dem_cases/grain_dump.h"
 #include "dem_cases/process.h"
 #include "dem_cases/time_step.h"
@@ -57,18 +59,19 @@ std::string per_material(double value) {
 }
 
 /// Spheres in the order of the packing: ids count from 1, fixed grains first.
-std::string data_text(const Case& column, const Packing& packing) {
-  const double d = column.grains.diameter;
+std::string data_text(const Case& a_case, const Packing& packing) {
+  const Container container = container_of(a_case);
+  const double top = std::max(container.upper.z(), packing.top() + 4.0 * a_case.grains.diameter);
   std::string text = fmt::format(
       "packing of case {} for seed {}, made by talus\n\n{} atoms\n{} atom types\n"
-      "{} {} xlo xhi\n0 {:.17g} ylo yhi\n{} {} zlo zhi\n\nAtoms\n\n",
-      column.name, packing.seed, packing.count(), static_cast<int>(material_count), -d,
-      column.geometry.tank_length + d, column.geometry.thickness, -2.0 * d, packing.top() + 4.0 * d);
+      "{} {} xlo xhi\n{:.17g} {:.17g} ylo yhi\n{} {} zlo zhi\n\nAtoms\n\n",
+      a_case.name, packing.seed, packing.count(), static_cast<int>(material_count), container.lower.x(),
+      container.upper.x(), container.lower.y(), container.upper.y(), container.lower.z(), top);
   for (Eigen::Index i = 0; i < packing.count(); ++i) {  // id type diameter density x y z
     const auto& p = packing.positions;
     text +=
         fmt::format("{} {} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", i + 1, i < packing.fixed_count ? 2 : 1,
-                    2.0 * packing.radii[i], column.grains.density, p(0, i), p(1, i), p(2, i));
+                    2.0 * packing.radii[i], a_case.grains.density, p(0, i), p(1, i), p(2, i));
   }
   text += "\nVelocities\n\n";
   for (Eigen::Index i = 0; i < packing.count(); ++i) {  // id, velocity, angular velocity
@@ -78,57 +81,112 @@ std::string data_text(const Case& column, const Packing& packing) {
   return text;
 }
 
-std::string deck_text(const Case& column) {
-  const Grains& grains = column.grains;
-  const StepSchedule schedule = step_schedule(column);
-  // limitForce: grains without cohesion never pull; it stands after the primitive in wall commands.
-  const std::string model = "model hertz tangential history rolling_friction epsd2";
-  const auto plane = [&](std::string_view name, int material, std::string_view axis, double at) {
-    return fmt::format("fix {} mobile wall/gran {} primitive type {} {}plane {:.17g} limitForce on\n", name,
-                       model, material + 1, axis, at);
-  };
+// limitForce: grains without cohesion never pull; it stands after the primitive in wall commands.
+constexpr std::string_view model = "model hertz tangential history rolling_friction epsd2";
+
+std::string stl_name(const Shell& shell) { return shell.name + ".stl"; }
+
+std::string stl_text(const Shell& shell) {
+  std::string text = fmt::format("solid {}\n", shell.name);
+  for (const Triangle& triangle : triangles_of(shell)) {
+    const Eigen::Vector3d normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
+    text +=
+        fmt::format("facet normal {:.9g} {:.9g} {:.9g}\n outer loop\n", normal.x(), normal.y(), normal.z());
+    for (const auto& corner : triangle)
+      text += fmt::format("  vertex {:.12g} {:.12g} {:.12g}\n", corner.x(), corner.y(), corner.z());
+    text += " endloop\nendfacet\n";
+  }
+  return text + fmt::format("endsolid {}\n", shell.name);
+}
+
+std::string contact_law(const Case& a_case) {
+  const Grains& grains = a_case.grains;
+  const Contact& contact = a_case.contact;
+  const auto restitution = [](const Contact& law, int, int) { return law.restitution; };
+  return fmt::format("fix modulus all property/global youngsModulus peratomtype{}\n",
+                     per_material(grains.youngs_modulus)) +
+         fmt::format("fix poisson all property/global poissonsRatio peratomtype{}\n",
+                     per_material(grains.poissons_ratio)) +
+         fmt::format("fix restitution all property/global coefficientRestitution peratomtypepair {}\n",
+                     pair_table(contact, restitution)) +
+         fmt::format("fix friction all property/global coefficientFriction peratomtypepair {}\n",
+                     pair_table(contact, friction_between)) +
+         fmt::format("fix rolling all property/global coefficientRollingFriction peratomtypepair {}\n",
+                     pair_table(contact, rolling_friction_between)) +
+         fmt::format("pair_style gran {} limitForce on\npair_coeff * *\n", model);
+}
+
+std::string walls(const Container& container) {
+  std::string text;
+  for (const Plane& plane : container.planes) {
+    const int material = plane.surface == Surface::floor ? flat_floor : wall;
+    text += fmt::format("fix {} mobile wall/gran {} primitive type {} {}plane {:.17g} limitForce on\n",
+                        plane.name, model, material + 1, "xyz"[plane.axis], plane.at);
+  }
+  for (const Shell& shell : container.shells) {
+    text += fmt::format(
+        "fix {0}_mesh all mesh/surface file {1} type {2}\n"
+        "fix {0} mobile wall/gran {3} mesh n_meshes 1 meshes {0}_mesh limitForce on\n",
+        shell.name, stl_name(shell), wall + 1, model);
+  }
+  return text;
+}
+
+std::string release(const Container& container) {
+  std::string text;
+  for (const Plane& plane : container.planes) {
+    if (plane.until_release) text += fmt::format("unfix {}\n", plane.name);
+  }
+  for (const Shell& shell : container.shells) {
+    if (shell.until_release) text += fmt::format("unfix {0}\nunfix {0}_mesh\n", shell.name);
+  }
+  text += "unfix tell\nreset_timestep 0\n";
+  for (const Shell& shell : container.shells) {
+    if (shell.rise_speed != 0.0) {
+      text += fmt::format("fix {0}_rise all move/mesh mesh {0}_mesh linear 0 0 {1:.17g}\n", shell.name,
+                          shell.rise_speed);
+    }
+  }
+  return text;
+}
+
+std::string deck_text(const Case& a_case, const Packing& packing) {
+  const StepSchedule schedule = step_schedule(a_case);
+  const Container container = container_of(a_case);
   std::string text = fmt::format(
-      "# case {}, input hash {}; written by talus\n"
+      "# case {}, point {}; written by talus\n"
       "atom_style granular\n"
       "atom_modify map array\n"
-      "boundary f p f\n"
+      "boundary f {} f\n"
       "newton off\n"
       "communicate single vel yes\n"
       "units si\n"
       "read_data {}\n"
       "neighbor {:.17g} bin\n"
       "neigh_modify delay 0\n"
-      "group mobile type 1\n"
-      "group fixed type 2\n"
-      "neigh_modify exclude group fixed fixed\n",
-      column.name, column.input_hash, data_file, 0.3 * grains.diameter);
-  text += fmt::format("fix modulus all property/global youngsModulus peratomtype{}\n",
-                      per_material(grains.youngs_modulus));
-  text += fmt::format("fix poisson all property/global poissonsRatio peratomtype{}\n",
-                      per_material(grains.poissons_ratio));
-  const auto restitution = [](const Contact& contact, int, int) { return contact.restitution; };
-  text += fmt::format("fix restitution all property/global coefficientRestitution peratomtypepair {}\n",
-                      pair_table(column.contact, restitution));
-  text += fmt::format("fix friction all property/global coefficientFriction peratomtypepair {}\n",
-                      pair_table(column.contact, friction_between));
-  text += fmt::format("fix rolling all property/global coefficientRollingFriction peratomtypepair {}\n",
-                      pair_table(column.contact, rolling_friction_between));
-  text += fmt::format("pair_style gran {} limitForce on\npair_coeff * *\n", model);
-  text += fmt::format("timestep {:.17g}\n", column.protocol.time_step);
-  text += plane("back_wall", wall, "x", 0.0);
-  text += plane("far_wall", wall, "x", column.geometry.tank_length);
-  text += plane("gate", wall, "x", column.geometry.column_length);
-  if (!column.geometry.rough_floor) text += plane("flat_floor", flat_floor, "z", 0.0);
-  text += fmt::format("fix gravity mobile gravity {:.17g} vector 0 0 -1\n", column.protocol.gravity);
-  text += "fix integrate mobile nve/sphere\nfix freeze fixed freeze\n";
+      "group mobile type 1\n",
+      a_case.name, a_case.point, container.periodic ? "p" : "f", data_file, 0.3 * a_case.grains.diameter);
+  if (packing.fixed_count > 0) text += "group fixed type 2\nneigh_modify exclude group fixed fixed\n";
+  text += contact_law(a_case);
+  text += fmt::format("timestep {:.17g}\n", a_case.protocol.time_step);
+  text += walls(container);
+  text += fmt::format("fix gravity mobile gravity {:.17g} vector 0 0 -1\n", a_case.protocol.gravity);
+  text += "fix integrate mobile nve/sphere\n";
+  if (packing.fixed_count > 0) text += "fix freeze fixed freeze\n";
   text += fmt::format("thermo_style custom step atoms ke\nthermo {}\nthermo_modify lost error norm no\n",
                       schedule.per_snapshot);
+  const auto tell = [&](std::string_view stage, std::string_view mode) {
+    return fmt::format("fix tell all print {} \"{} ${{now}}\" {} {} screen no title \"\"\n",
+                       schedule.per_snapshot, stage, mode, progress_file);
+  };
+  text += "variable now equal step\n" + tell("settling", "file");
+  text += fmt::format("run {}\n", schedule.settle) + release(container) + tell("running", "append");
+  // Of the first and the last moment: places of the two centres, their ids, force on the first.
   text += fmt::format(
-      "variable now equal step\nfix tell all print {} \"settling ${{now}}\" file {} screen no title \"\"\n",
-      schedule.per_snapshot, progress_file);
-  text += fmt::format("run {}\nunfix gate\nunfix tell\nreset_timestep 0\n", schedule.settle);
-  text += fmt::format("fix tell all print {} \"running ${{now}}\" append {} screen no title \"\"\n",
-                      schedule.per_snapshot, progress_file);
+      "compute contacts all pair/gran/local pos id force\n"
+      "dump contacts all local {} {} c_contacts[1] c_contacts[2] c_contacts[3] c_contacts[4] c_contacts[5] "
+      "c_contacts[6] c_contacts[7] c_contacts[8] c_contacts[10] c_contacts[11] c_contacts[12]\n",
+      schedule.run(), contacts_file);
   text += fmt::format(
       "dump grains mobile custom {} {} id x y z vx vy vz\n"
       "dump_modify grains sort id format \"%d %.10g %.10g %.10g %.10g %.10g %.10g\"\n"
@@ -153,10 +211,12 @@ std::string version() {
 void write_input(const Case& column, const Packing& packing, const std::filesystem::path& folder) {
   check_time_step(column);
   make_writable_folder(folder);
-  for (const auto stale : {dump_file, progress_file, log_name, log_file})
+  for (const auto stale : {dump_file, contacts_file, progress_file, log_name, log_file})
     std::filesystem::remove(folder / stale);
   write_file_atomically(folder / data_file, data_text(column, packing));
-  write_file_atomically(folder / deck_file, deck_text(column));
+  for (const Shell& shell : container_of(column).shells)
+    write_file_atomically(folder / stl_name(shell), stl_text(shell));
+  write_file_atomically(folder / deck_file, deck_text(column, packing));
 }
 
 std::vector<std::string> command() {

@@ -9,13 +9,8 @@
 
 namespace talus::dem {
 
-/// How far the centres of a rough floor's fixed grains lie below z = 0, in mean diameters. Grains of the
-/// column sink into the hollows between them; at this depth z = 0 is where a flat floor would carry the same
-/// column (README of column_collapse: how it was measured).
-inline constexpr double floor_centre_depth = 0.5;
-
 /// Columns are spheres. The first `fixed_count` are the floor's and never move; the others start as a loose
-/// jittered lattice behind the gate, with small random velocities, and settle under gravity in each code.
+/// jittered lattice within the case's container, with small random velocities, and settle under gravity in each code.
 struct Packing {
   std::uint64_t seed;
   Eigen::Index fixed_count;
@@ -31,6 +26,6 @@ struct Packing {
 
 /// No two spheres overlap, but for neighbours that are both fixed, and none crosses a wall. The same case and
 /// seed give the same spheres on every machine. Throws InputError when the case leaves no room.
-Packing make_packing(const Case& column, std::uint64_t seed);
+Packing make_packing(const Case& a_case, std::uint64_t seed);
 
 }  // namespace talus::dem

@@ -2,54 +2,79 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
+#include "dem_cases/container.h"
 #include "dem_cases/grain_dump.h"
 #include "dem_cases/process.h"
 #include "dem_cases/time_step.h"
+#include "dem_cases/yade/rolling.h"
 
 namespace talus::dem::yade {
 namespace {
 
-constexpr std::string_view script_file = "column_collapse.py";
+constexpr std::string_view script_file = "gravity_flow.py";
 constexpr std::string_view parameters_file = "parameters.json";
 constexpr std::string_view packing_file = "packing.txt";
 
-/// LIGGGHTS' epsd2 gives each contact the rolling stiffness k_t R*^2, k_t = 8 G* sqrt(R* overlap) (Iwashita &
-/// Oda 1998); YADE takes one number for all contacts, so it gets that of a contact half way down the column,
-/// where a grain carries the weight above it. The limit of the moment, not this stiffness, decides how grains
-/// roll.
-double rolling_stiffness(const Case& column) {
-  if (column.contact.rolling_friction == 0.0) return 0.0;
-  const Grains& grains = column.grains;
-  const double radius = 0.25 * grains.diameter;  // R*, of two equal grains
-  const double modulus =
-      grains.youngs_modulus / (2.0 * (1.0 - grains.poissons_ratio * grains.poissons_ratio));
-  const double shear_modulus =
-      grains.youngs_modulus / (4.0 * (1.0 + grains.poissons_ratio) * (2.0 - grains.poissons_ratio));
-  const double pressure = column.protocol.volume_fraction * grains.density * column.protocol.gravity * 0.5 *
-                          column.geometry.column_height;
-  const double force = pressure * grains.diameter * grains.diameter;
-  const double overlap = std::pow(0.75 * force / (modulus * std::sqrt(radius)), 2.0 / 3.0);
-  return 8.0 * shear_modulus * std::sqrt(radius * overlap) * radius * radius;
+/// Half way down the fill, where a grain carries the weight above it.
+double middle_pressure(const Case& a_case) {
+  return a_case.protocol.volume_fraction * a_case.grains.density * a_case.protocol.gravity * 0.5 *
+         fill_height(a_case.geometry);
+}
+
+nlohmann::json point(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
+
+const char* material_of(Surface surface) { return surface == Surface::floor ? "grain" : "wall"; }
+
+nlohmann::json planes(const Container& container) {
+  auto list = nlohmann::json::array();
+  for (const Plane& plane : container.planes) {
+    list.push_back({{"name", plane.name},
+                    {"axis", plane.axis},
+                    {"at_m", plane.at},
+                    {"inward", plane.inward},
+                    {"material", material_of(plane.surface)},
+                    {"until_release", plane.until_release}});
+  }
+  return list;
+}
+
+nlohmann::json shells(const Container& container) {
+  auto list = nlohmann::json::array();
+  for (const Shell& shell : container.shells) {
+    auto triangles = nlohmann::json::array();
+    for (const Triangle& triangle : triangles_of(shell))
+      triangles.push_back({point(triangle[0]), point(triangle[1]), point(triangle[2])});
+    list.push_back({{"name", shell.name},
+                    {"triangles_m", triangles},
+                    {"material", "wall"},
+                    {"until_release", shell.until_release},
+                    {"rise_speed_m_s", shell.rise_speed}});
+  }
+  return list;
 }
 
 nlohmann::json parameters(const Case& column, const Packing& packing) {
   const StepSchedule schedule = step_schedule(column);
+  const Container container = container_of(column);
+  Eigen::Vector3d upper = container.upper;
+  upper.z() = std::max(upper.z(), packing.top() + 4.0 * column.grains.diameter);
   return {
       {"case", column.name},
-      {"input_hash", column.input_hash},
+      {"point", column.point},
       {"seed", packing.seed},
       {"fixed_count", packing.fixed_count},
-      {"column_length_m", column.geometry.column_length},
-      {"thickness_m", column.geometry.thickness},
-      {"tank_length_m", column.geometry.tank_length},
-      {"top_m", packing.top()},
-      {"rough_floor", column.geometry.rough_floor},
+      {"periodic", container.periodic},
+      {"lower_m", point(container.lower)},
+      {"upper_m", point(upper)},
+      {"planes", planes(container)},
+      {"shells", shells(container)},
       {"diameter_m", column.grains.diameter},
       {"density_kg_m3", column.grains.density},
       {"youngs_modulus_pa", column.grains.youngs_modulus},
@@ -57,11 +82,9 @@ nlohmann::json parameters(const Case& column, const Packing& packing) {
       {"restitution", column.contact.restitution},
       {"friction", column.contact.friction},
       {"wall_friction", column.contact.wall_friction},
-      // The moment is limited by eta (R1 + R2) / 2 F_n here and by mu_r R1 R2 / (R1 + R2) F_n in the case:
-      // for equal grains eta = mu_r / 2. Against a box YADE takes the grain's radius for both. It has one eta
-      // for all contacts.
-      {"rolling_resistance", 0.5 * column.contact.rolling_friction},
-      {"rolling_stiffness_n_m", rolling_stiffness(column)},
+      {"rolling_resistance", rolling_resistance(column.contact.rolling_friction)},
+      {"rolling_stiffness_n_m",
+       rolling_stiffness(column.grains, column.contact.rolling_friction, middle_pressure(column))},
       {"gravity_m_s2", column.protocol.gravity},
       {"time_step_s", column.protocol.time_step},
       {"settle_steps", schedule.settle},
@@ -96,7 +119,8 @@ std::string version() {
 void write_input(const Case& column, const Packing& packing, const std::filesystem::path& folder) {
   check_time_step(column);
   make_writable_folder(folder);
-  for (const auto stale : {dump_file, progress_file, log_file}) std::filesystem::remove(folder / stale);
+  for (const auto stale : {dump_file, contacts_file, progress_file, log_file})
+    std::filesystem::remove(folder / stale);
   write_file_atomically(folder / packing_file, packing_text(packing));
   write_file_atomically(folder / parameters_file, parameters(column, packing).dump(2) + "\n");
   write_file_atomically(folder / script_file,

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "dem_cases/reference/plan.h"
+#include "dem_cases/time_step.h"
 #include "tests/dem_cases/case_files.h"
 
 namespace talus::dem {
@@ -16,10 +18,10 @@ TEST(Case, ReadsTheColumnCollapse) {
   const Case column = read_case(column_collapse_file);
   EXPECT_EQ(column.name, "column_collapse");
   EXPECT_EQ(column.calibration, "rolling_friction_0_2");
-  EXPECT_DOUBLE_EQ(column.geometry.column_length, 16 * 0.003);
-  EXPECT_DOUBLE_EQ(column.geometry.column_height, 16 * 0.003);
-  EXPECT_DOUBLE_EQ(column.geometry.thickness, 4 * 0.003);
-  EXPECT_TRUE(column.geometry.rough_floor);
+  EXPECT_DOUBLE_EQ(column_geometry(column).column_length, 16 * 0.003);
+  EXPECT_DOUBLE_EQ(column_geometry(column).column_height, 16 * 0.003);
+  EXPECT_DOUBLE_EQ(column_geometry(column).thickness, 4 * 0.003);
+  EXPECT_TRUE(column_geometry(column).rough_floor);
   EXPECT_DOUBLE_EQ(column.grains.youngs_modulus, 5e6);
   EXPECT_DOUBLE_EQ(column.contact.rolling_friction, 0.2);
   EXPECT_DOUBLE_EQ(column.contact.wall_friction, 0.0);
@@ -28,6 +30,46 @@ TEST(Case, ReadsTheColumnCollapse) {
   ASSERT_EQ(column.observables.size(), 5U);
   for (const auto& band : column.observables) EXPECT_FALSE(band.why.empty()) << band.name;
   EXPECT_EQ(column.input_hash.size(), 64U);
+}
+
+TEST(Case, PointsLieOverTheFilesOwnKeys) {
+  const auto points = read_case_points(column_collapse_file);
+  ASSERT_GT(points.size(), 8U);
+  EXPECT_EQ(points.front().point, "a_1");
+  const Case tall = read_case(column_collapse_file, "a_2");
+  EXPECT_EQ(tall.point, "a_2");
+  EXPECT_DOUBLE_EQ(column_geometry(tall).column_height, 32 * 0.003);
+  EXPECT_DOUBLE_EQ(column_geometry(tall).column_length, 16 * 0.003);  // the file's own
+  const Case slippery = read_case(column_collapse_file, "a_1_rolling_0");
+  EXPECT_EQ(slippery.contact.rolling_friction, 0.0);
+  EXPECT_EQ(slippery.calibration, "rolling_friction_0");
+}
+
+TEST(Case, UnknownPointNamesThoseThereAre) {
+  EXPECT_THAT(input_error([] { read_case(column_collapse_file, "a_3"); }),
+              ::testing::AllOf(HasSubstr("a_3"), HasSubstr("a_2"), HasSubstr("case.toml")));
+}
+
+TEST(Case, MistakeInAPointIsToldWithItsLine) {
+  const TestFolder folder;
+  const auto file = folder.path() / "mistaken.toml";
+  const auto text = replaced(read_file(column_collapse_file), "geometry.tank_length_m = 0.384",
+                             "geometry.tank_lenth_m = 0.384");
+  const auto line =
+      1 + std::count(text.begin(), text.begin() + static_cast<long>(text.find("tank_lenth_m")), '\n');
+  write_file_atomically(file, text);
+  EXPECT_THAT(input_error([&] { read_case(file, "a_2"); }),
+              ::testing::AllOf(HasSubstr(fmt::format("{}:{}: key ", file.string(), line)),
+                               HasSubstr("tank_length_m")));
+}
+
+TEST(Case, EveryCaseThatComesWithTalusIsGood) {
+  for (const auto& file : gravity_case_files()) {
+    for (const Case& point : read_case_points(file)) {
+      EXPECT_NO_THROW(check_time_step(point)) << point.name << " " << point.point;
+      EXPECT_FALSE(point.reference_seeds.empty()) << point.name << " " << point.point;
+    }
+  }
 }
 
 struct Mistake {
@@ -115,7 +157,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "run_time_s = 0.71875",
                 "run_time_s",
                 {"protocol.run_time_s", "0.71875", "0.714 and 0.721"}},
-        Mistake{"repeated_seed", "seeds = [1, 2, 3]", "seeds = [1, 2, 2]", "seeds", {"seeds", "repeat"}},
+        Mistake{
+            "repeated_seed", "\nseeds = [1, 2, 3]", "\nseeds = [1, 2, 2]", "seeds = ", {"seeds", "repeat"}},
         Mistake{"name_of_no_folder",
                 "name = \"column_collapse\"",
                 "name = \"../collapse\"",

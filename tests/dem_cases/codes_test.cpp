@@ -6,10 +6,8 @@
 #include <fstream>
 
 #include "dem_cases/grain_dump.h"
-#include "dem_cases/liggghts/liggghts.h"
-#include "dem_cases/process.h"
-#include "dem_cases/yade/yade.h"
 #include "tests/dem_cases/case_files.h"
+#include "tests/dem_cases/codes.h"
 
 namespace talus::dem {
 namespace {
@@ -17,43 +15,6 @@ namespace {
 using analysis::SnapshotSeries;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-/// The two codes behind one set of functions, as the harness will hold them.
-struct Code {
-  const char* name;
-  std::string version;
-  decltype(&liggghts::version) read_version;
-  decltype(&liggghts::write_input) write_input;
-  decltype(&liggghts::command) command;
-  decltype(&liggghts::progress) progress;
-  decltype(&liggghts::failure_text) failure_text;
-  decltype(&liggghts::read_output) read_output;
-  std::string log;
-};
-
-void PrintTo(const Code& code, std::ostream* out) { *out << code.name; }
-
-const Code liggghts_code{"liggghts",
-                         "3.8.0",
-                         &liggghts::version,
-                         &liggghts::write_input,
-                         &liggghts::command,
-                         &liggghts::progress,
-                         &liggghts::failure_text,
-                         &liggghts::read_output,
-                         std::string(liggghts::log_file)};
-const Code yade_code{
-    "yade",          "2023.02a",          &yade::version,     &yade::write_input,         &yade::command,
-    &yade::progress, &yade::failure_text, &yade::read_output, std::string(yade::log_file)};
-
-ProcessResult run(const Code& code, const std::filesystem::path& folder, std::function<bool()> stop = {}) {
-  return run_process({.command = code.command(),
-                      .folder = folder,
-                      .log = code.log,
-                      .environment = {},
-                      .time_limit = std::chrono::seconds(120),
-                      .stop = std::move(stop)});
-}
 
 SnapshotSeries run_and_read(const Code& code, const Case& column, const Packing& packing,
                             const std::filesystem::path& folder) {
@@ -77,10 +38,10 @@ void expect_a_collapse(const SnapshotSeries& series, const Case& column, const P
   EXPECT_EQ(series.front().time, 0.0);
   EXPECT_NEAR(series.back().time, column.protocol.run_time, 1e-9);
   for (const auto& snapshot : series) ASSERT_EQ(snapshot.volumes.size(), packing.mobile_count());
-  const double length = column.geometry.column_length;
+  const double length = column_geometry(column).column_length;
   EXPECT_NEAR(mean(series.front(), 0), 0.5 * length, 0.05 * length);
-  EXPECT_NEAR(2 * mean(series.front(), 2), column.geometry.column_height,
-              0.15 * column.geometry.column_height);
+  EXPECT_NEAR(2 * mean(series.front(), 2), column_geometry(column).column_height,
+              0.15 * column_geometry(column).column_height);
   EXPECT_GT(mean(series.back(), 0), 0.6 * length);                   // it went forward
   EXPECT_LT(mean(series.back(), 2), 0.8 * mean(series.front(), 2));  // and down
   EXPECT_LT(series.back().velocities.cwiseAbs().mean(), 0.01);       // and stopped
@@ -104,7 +65,7 @@ class TinyColumn : public ::testing::TestWithParam<Variant> {};
 TEST_P(TinyColumn, IsTheSameToBothCodes) {
   const TestFolder folder;
   Case column = read_case(tiny_column_file);
-  column.geometry.rough_floor = GetParam().rough_floor;
+  column_geometry(column).rough_floor = GetParam().rough_floor;
   column.contact.rolling_friction = GetParam().rolling_friction;
   const Packing packing = make_packing(column, 1);
   const auto from_liggghts = run_and_read(liggghts_code, column, packing, folder.path() / "liggghts");

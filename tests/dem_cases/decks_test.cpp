@@ -108,11 +108,14 @@ TEST_F(Decks, NoRollingFrictionMeansNoRollingSpringInYade) {
 }
 
 TEST_F(Decks, FlatFloorIsAPlaneInBoth) {
-  column_.geometry.rough_floor = false;
+  column_geometry(column_).rough_floor = false;
   packing_ = make_packing(column_, 1);
   write();
   EXPECT_THAT(deck_, HasSubstr("type 4 zplane 0 "));
-  EXPECT_EQ(parameters_["rough_floor"], false);
+  const auto& plane = parameters_["planes"].back();
+  EXPECT_EQ(plane["axis"], 2);
+  EXPECT_EQ(plane["at_m"], 0.0);
+  EXPECT_EQ(plane["material"], "grain");
 }
 
 TEST_F(Decks, WritingAgainRemovesAnEarlierRun) {

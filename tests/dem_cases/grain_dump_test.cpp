@@ -67,7 +67,7 @@ class GrainDump : public ::testing::Test {
 };
 
 TEST_F(GrainDump, ReadsBackWhatWasWritten) {
-  packing_.positions(1, packing_.fixed_count) -= column_.geometry.thickness;  // one period over
+  packing_.positions(1, packing_.fixed_count) -= column_geometry(column_).thickness;  // one period over
   const auto series = read(dump_text());
   ASSERT_EQ(series.size(), 3U);
   EXPECT_EQ(series[0].time, 0.0);
@@ -75,7 +75,7 @@ TEST_F(GrainDump, ReadsBackWhatWasWritten) {
   EXPECT_NEAR(series[2].time, 0.014, 1e-12);
   const auto mobile = packing_.mobile_count();
   ASSERT_EQ(series[2].positions.cols(), mobile);
-  packing_.positions(1, packing_.fixed_count) += column_.geometry.thickness;
+  packing_.positions(1, packing_.fixed_count) += column_geometry(column_).thickness;
   EXPECT_TRUE(series[2].positions.isApprox(packing_.positions.rightCols(mobile), 1e-9));
   EXPECT_NEAR(series[2].volumes.sum(), packing_.mobile_volume(), 1e-12 * packing_.mobile_volume());
 }
@@ -104,12 +104,12 @@ TEST_F(GrainDump, FindsALeakThroughTheFarWall) {
 }
 
 TEST_F(GrainDump, FindsATankThatIsTooShort) {
-  EXPECT_THAT(refusal(moved_grain(column_.geometry.tank_length - 0.001, 0.01)),
+  EXPECT_THAT(refusal(moved_grain(column_geometry(column_).tank_length - 0.001, 0.01)),
               AllOf(HasSubstr("reached the far wall"), HasSubstr("tank_length_m")));
 }
 
 TEST_F(GrainDump, FindsALeakThroughTheGateBeforeItOpened) {
-  packing_.positions(0, packing_.fixed_count) = column_.geometry.column_length + 0.001;
+  packing_.positions(0, packing_.fixed_count) = column_geometry(column_).column_length + 0.001;
   EXPECT_THAT(refusal(dump_text()), HasSubstr("gate"));
 }
 

@@ -43,7 +43,8 @@ TEST_P(PackingOf, IsTheSameForASeedAndAnotherForAnother) {
 TEST_P(PackingOf, HasNoOverlapsEvenAcrossThePeriod) {
   const Case column = read_case(GetParam());
   for (const std::uint64_t seed : column.seeds) {
-    EXPECT_GT(least_gap(make_packing(column, seed), column.geometry.thickness), 0.0) << "seed " << seed;
+    EXPECT_GT(least_gap(make_packing(column, seed), column_geometry(column).thickness), 0.0)
+        << "seed " << seed;
   }
 }
 
@@ -53,14 +54,14 @@ TEST_P(PackingOf, StandsBetweenTheWalls) {
   for (Eigen::Index i = 0; i < packing.count(); ++i) {
     const auto position = packing.positions.col(i);
     EXPECT_GE(position.y(), 0.0);
-    EXPECT_LT(position.y(), column.geometry.thickness);
+    EXPECT_LT(position.y(), column_geometry(column).thickness);
     EXPECT_GE(packing.radii[i], 0.5 * column.grains.diameter * (1 - column.grains.diameter_spread));
     EXPECT_LE(packing.radii[i], 0.5 * column.grains.diameter * (1 + column.grains.diameter_spread));
     if (i < packing.fixed_count) {
       EXPECT_TRUE(packing.velocities.col(i).isZero(0.0));
     } else {
       EXPECT_GT(position.x() - packing.radii[i], 0.0);
-      EXPECT_LT(position.x() + packing.radii[i], column.geometry.column_length);
+      EXPECT_LT(position.x() + packing.radii[i], column_geometry(column).column_length);
       EXPECT_GT(position.z() - packing.radii[i], 0.0);
     }
   }
@@ -68,7 +69,7 @@ TEST_P(PackingOf, StandsBetweenTheWalls) {
 
 TEST_P(PackingOf, HasTheSolidVolumeOfTheCaseToHalfAGrain) {
   const Case column = read_case(GetParam());
-  const Geometry& geometry = column.geometry;
+  const ColumnGeometry& geometry = column_geometry(column);
   const double wanted =
       column.protocol.volume_fraction * geometry.column_length * geometry.column_height * geometry.thickness;
   const double largest =
@@ -80,12 +81,13 @@ TEST_P(PackingOf, FloorHasNoHoleForAGrain) {
   const Case column = read_case(GetParam());
   const Packing packing = make_packing(column, 1);
   const double smallest = 0.5 * column.grains.diameter * (1 - column.grains.diameter_spread);
-  for (double x = smallest; x < column.geometry.tank_length - smallest; x += 0.1 * column.grains.diameter) {
-    for (double y = 0.0; y < column.geometry.thickness; y += 0.1 * column.grains.diameter) {
+  for (double x = smallest; x < column_geometry(column).tank_length - smallest;
+       x += 0.1 * column.grains.diameter) {
+    for (double y = 0.0; y < column_geometry(column).thickness; y += 0.1 * column.grains.diameter) {
       bool blocked = false;
       for (Eigen::Index i = 0; i < packing.fixed_count && !blocked; ++i) {
         double across = y - packing.positions(1, i);
-        across -= column.geometry.thickness * std::round(across / column.geometry.thickness);
+        across -= column_geometry(column).thickness * std::round(across / column_geometry(column).thickness);
         blocked = std::hypot(x - packing.positions(0, i), across) < packing.radii[i] + smallest;
       }
       ASSERT_TRUE(blocked) << "a grain falls through at x = " << x << ", y = " << y;
@@ -109,7 +111,7 @@ TEST(Packing, IsTheOneThatResultsWereMadeWith) {
 
 TEST(Packing, FlatFloorHasNoFixedGrains) {
   Case column = read_case(tiny_column_file);
-  column.geometry.rough_floor = false;
+  column_geometry(column).rough_floor = false;
   const Packing packing = make_packing(column, 1);
   EXPECT_EQ(packing.fixed_count, 0);
   EXPECT_GT((packing.positions.row(2).transpose() - packing.radii).minCoeff(), 0.0);
@@ -117,7 +119,7 @@ TEST(Packing, FlatFloorHasNoFixedGrains) {
 
 TEST(Packing, SaysWhenThereIsNoRoom) {
   Case column = read_case(tiny_column_file);
-  column.geometry.thickness = column.grains.diameter;
+  column_geometry(column).thickness = column.grains.diameter;
   EXPECT_THAT(input_error([&] { make_packing(column, 1); }),
               AllOf(HasSubstr("tiny_column.toml"), HasSubstr("thickness_m")));
 }

@@ -157,6 +157,7 @@ TEST_F(WholeChain, CheckJudgesTheRunsNotTheWrittenVerdict) {
   auto changed = results();
   changed["verdict"] = "PASS";
   for (auto& run : changed["cases"][0]["runs"]) {
+    run["observables"]["at_rest"] = true;  // a last grain may roll on in so small a column
     if (run["backend"] == "continuum") run["observables"]["x95"] = 9.0;
   }
   EXPECT_EQ(exit_code_of(changed), 1);

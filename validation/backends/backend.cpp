@@ -23,7 +23,7 @@ nlohmann::json preflight(const dem::Case& column) {
 /// What the two discrete codes have in common: one packing, one preflight.
 Backend discrete_backend(const RunRequest& request) {
   Backend backend;
-  backend.thickness = request.column.geometry.thickness;
+  backend.thickness = column_geometry(request.column).thickness;
   backend.preflight = preflight(request.column);
   backend.solver_summary = [](const std::filesystem::path&) { return nlohmann::json(); };
   return backend;

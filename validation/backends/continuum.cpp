@@ -31,7 +31,7 @@ double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 /// Plane strain: y is periodic and one cell thick. The floor is as rough as the sand; walls take the case's
 /// friction. The domain is the tank, two column heights high, in whole cells.
 std::string scene_text(const RunRequest& request) {
-  const dem::Geometry& geometry = request.column.geometry;
+  const dem::ColumnGeometry& geometry = column_geometry(request.column);
   const dem::Protocol& protocol = request.column.protocol;
   const double h = geometry.column_length / request.resolution.cells_per_column_length;
   const double length = h * std::ceil(geometry.tank_length / h - 1e-9);
@@ -109,7 +109,7 @@ std::string last_line(const std::filesystem::path& file) {
 }  // namespace
 
 Backend make_continuum_backend(const RunRequest& request) {
-  if (!request.column.geometry.rough_floor) {
+  if (!column_geometry(request.column).rough_floor) {
     throw InputError(
         fmt::format("{}: key 'geometry.floor': the continuum knows the wall friction of a rough floor only; "
                     "a flat floor's is not in the calibration yet",
@@ -121,7 +121,8 @@ Backend make_continuum_backend(const RunRequest& request) {
   // The harness runs a job to a core.
   backend.command = {talus_program().string(), "run", scene_name, "--output", ".", "--threads", "1"};
   backend.log_file = log_name;
-  backend.thickness = request.column.geometry.column_length / request.resolution.cells_per_column_length;
+  backend.thickness =
+      column_geometry(request.column).column_length / request.resolution.cells_per_column_length;
   backend.write_input = [text = scene_text(request)](const auto& folder) {
     write_file_atomically(folder / scene_name, text);
   };
