@@ -10,7 +10,7 @@
 
 namespace talus::dem {
 
-/// Contacts at the release.
+/// Contacts at the two moments that a run writes.
 struct ContactMoments {
   std::vector<analysis::GrainContact> release, end;
 };
