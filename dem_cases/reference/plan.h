@@ -12,6 +12,13 @@ namespace talus::dem {
 /// The case files that come with Talus and that read_case() reads.
 std::vector<std::filesystem::path> gravity_case_files();
 
+/// What decides how a case is measured, whichever code ran it (PlannedRun::measurement).
+nlohmann::json measurement_of(const Case& a_case);
+
+/// One run of a gravity-driven case by "liggghts" or "yade". Throws InputError when the code is not installed or the case fails its
+/// preflight.
+PlannedRun planned_run(const Case& a_case, const std::string& code, std::uint64_t seed);
+
 /// The runs of one parameter point of a gravity-driven case: its reference seeds through both codes. Throws InputError
 /// when a code is not installed or the case fails its preflight.
 std::vector<PlannedRun> planned_runs(const Case& a_case);
