@@ -63,13 +63,12 @@ function drawPoint(section, point) {
   block("Curves", "", (place) => drawCurves(place, point));
   block("The flow and the deposit", "flow", (place) => drawAnimation(place, point, pictures()));
   block("Fields", "fields", (place) => drawFields(place, point, pictures()));
-  block("Runs", "", (place) => place.append(...(runs.length ? runTables(inCodeOrder(runs), point.length_unit) : [absent("There were no runs.")])));
+  block("Runs", "", (place) => place.append(...(runs.length ? [...runTables(inCodeOrder(runs), point.length_unit), originTable(inCodeOrder(runs))] : [absent("There were no runs.")])));
   block("Parameters", "facts", (place) => {
     const {name, file, input_hash, kind, family, tags} = point;
     place.append(...factTables("Case", {name, family, kind, tags, file, input_hash}), ...factTables("Parameters", point.parameters),
         ...factTables("Calibration", point.calibration));
   });
-  block("What made each run", "facts", (place) => place.append(...originTables(inCodeOrder(runs))));
 }
 
 function addPoint(point) {

@@ -6,6 +6,8 @@ const figures = [];  // {draw(), painted(): bool}
 
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 const faint = (hex) => `${hex}38`;
+/** On paper the charts are scaled down to half a page. */
+const chartFont = (size) => document.documentElement.classList.contains("all") ? 1.4 * size : size;
 const font = (size) => `${size}px system-ui, "DejaVu Sans", sans-serif`;
 /** Sharp on paper; less so where a whole long report is drawn at once, for its canvases share the memory. */
 const pixelRatio = () => Math.max(document.documentElement.classList.contains("all") ? 1.5 : 2, window.devicePixelRatio || 1);
@@ -103,8 +105,8 @@ function legend(chart) {
 }
 
 function axis(title, more = {}) {
-  return {type: "linear", beginAtZero: true, title: {display: true, text: title, font: {size: 13}}, grid: {},
-          ticks: {maxTicksLimit: 9, font: {size: 12}}, ...more};
+  return {type: "linear", beginAtZero: true, title: {display: true, text: title, font: {size: chartFont(13)}}, grid: {},
+          ticks: {maxTicksLimit: 9, font: {size: chartFont(12)}}, ...more};
 }
 
 const seedText = ({seed, runs}) => isNumber(seed) || seed ? `, seed ${seed}` : runs ? `, mean of ${runs}` : "";

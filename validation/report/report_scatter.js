@@ -77,7 +77,7 @@ function drawRatios(parent, results) {
     tip: ({point, row}) => [nameOf(point), `${labelOf(row.observable)}: ${percent(row.deviation, true)} (band ${plusMinus(row.band)}, k·u ${plusMinus(row.uncertainty)})`],
     scales: {x: axis("", {beginAtZero: false, min: -0.5, max: observables.length - 0.5, grid: {display: false}, afterBuildTicks: (scale) => {
       scale.ticks = observables.map((_, value) => ({value})); },
-    ticks: {autoSkip: false, maxRotation: 90, font: {size: 12}, callback: (value) => labelOf(observables[value])}}),
+    ticks: {autoSkip: false, maxRotation: 90, font: {size: chartFont(12)}, callback: (value) => labelOf(observables[value])}}),
     y: axis("continuum / reference", {beginAtZero: false, min: Math.max(0, 1 - reach), max: 1 + reach})}});
 }
 

@@ -45,7 +45,7 @@ function matrix(results, part, caption, figureOf) {
     "aria-label": `${titleOf(point)}, ${labelOf(row.observable)}: ${words(row.verdict)}, ${figureOf(row)}`},
   make("b", {"aria-hidden": "true"}, signOf(row.verdict) ?? "·"), figureOf(row)) : make("span", {class: "absent"}, ABSENT);
   return table(caption, [{label: "Point"}, {label: "All"}, ...observables.map((key) => ({label: labelOf(key)}))],
-      pointsOf(results).map((point) => [pointLink(nameOf(point), make("span", {}, nameOf(point))),
+      pointsOf(results).map((point) => [pointLink(nameOf(point), ...breakable(nameOf(point))),
         badge(part === "truth" ? point.verdict : point.drift_verdict),
         ...observables.map((key) => cell(point, rowsOf(point).find((row) => row.observable === key)))]), "matrix");
 }
@@ -78,11 +78,12 @@ function mutantTable(mutants) {
         number(mutant.runs), by(mutant)]), "cards"));
 }
 
+const openingText = (metres) => isNumber(metres) ? exactly(Number((1000 * metres).toPrecision(6))) : ABSENT;
 const fitTitle = (fit) => [swatch(fit.code), `${codeOf(fit.code).label}${fit.material ? `, ${words(fit.material)}` : ""}`];
 
 function rawRateTable(fits) {
   const rows = fits.flatMap((fit) => list(fit.points).map((point) => [fitTitle(fit),
-    isNumber(point.opening_m) ? number(1000 * point.opening_m) : ABSENT, number(point.rate_kg_s)]));
+    openingText(point.opening_m), number(point.rate_kg_s)]));
   return table("Raw: mass rates as measured", [{label: "Code"}, {label: "Opening", unit: "mm", type: "number"}, {label: "Rate", unit: "kg/s", type: "number"}], rows);
 }
 

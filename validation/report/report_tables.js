@@ -1,24 +1,23 @@
 // The tables of one point: verdicts, uncertainty budget, drift, runs, facts.
 "use strict";
 
-function scroller(label, table) {
-  return make("div", {class: "scroller", role: "region", tabindex: "0", "aria-label": label}, table);
-}
+const dataLabel = ({label, unit}) => unit ? `${label} (${unit})` : label;
 
 /**
- * A table. `columns`: {label, unit?, type?: "number" | "why"}; `rows`: lists of cells (text, element, or a list of them), the first of
- * which is the row's heading. Of kind "cards" it becomes one card for each row on a phone; the roles say again what the elements
- * are, for that layout takes the table's display away.
+ * A table under its caption, which stays in sight where the table scrolls. `columns`: {label, unit?, type?: "number" | "why"};
+ * `rows`: lists of cells (text, element, or a list of them), the first of which is the row's heading. Of kind "cards" it becomes
+ * one card for each row on a phone; the roles say again what the elements are, for that layout takes the table's display away.
  */
-const dataLabel = ({label, unit}) => unit ? `${label} (${unit})` : label;
 function table(caption, columns, rows, kind = "") {
   const head = columns.map(({label, unit, type}) =>
       make("th", {scope: "col", role: "columnheader", class: type}, label, unit ? make("small", {}, unit) : null));
   const body = rows.map((cells) => make("tr", {role: "row"}, ...cells.map((cell, k) => k === 0 ?
       make("th", {scope: "row", role: "rowheader"}, cell) :
-      make("td", {role: "cell", "data-label": dataLabel(columns[k]), class: columns[k].type}, cell))));
-  return scroller(caption, make("table", {class: kind, role: "table"}, make("caption", {}, caption),
-      make("thead", {role: "rowgroup"}, make("tr", {role: "row"}, head)), make("tbody", {role: "rowgroup"}, body)));
+      make("td", {role: "cell", "data-label": dataLabel(columns[k]), class: columns[k].type}, make("div", {class: "value"}, cell)))));
+  return make("div", {class: "framed"}, make("p", {class: "caption"}, caption),
+      make("div", {class: "scroller", role: "region", tabindex: "0", "aria-label": caption},
+          make("table", {class: kind, role: "table", "aria-label": caption}, make("thead", {role: "rowgroup"}, make("tr", {role: "row"}, head)),
+              make("tbody", {role: "rowgroup"}, body))));
 }
 
 const withUnit = (row) => unitText(row.unit) ? `${labelOf(row.observable)} (${unitText(row.unit)})` : labelOf(row.observable);
@@ -71,10 +70,10 @@ function keysOf(runs, part) {
 }
 
 /** One row for each run. `columns`: [label, unit, run => value]. */
-function runTable(caption, runs, columns) {
-  const titles = columns.map(([label, unit]) => ({label, unit, type: "number"}));
+function runTable(caption, runs, columns, kind = "runs") {
+  const titles = columns.map(([label, unit]) => ({label, unit, type: kind === "runs" ? "number" : ""}));
   return table(caption, [{label: "Run"}, ...titles], runs.map((run) =>
-      [[swatch(run.code), `${codeOf(run.code).label}, seed\u00a0${words(run.seed)}`], ...columns.map(([, , value]) => words(value(run)))]), "runs");
+      [[swatch(run.code), `${codeOf(run.code).label}, seed\u00a0${words(run.seed)}`], ...columns.map(([, , value]) => words(value(run)))]), kind);
 }
 
 function runTables(runs, lengthUnit) {
@@ -112,11 +111,10 @@ function factTables(title, data) {
   return tables;
 }
 
-/** What made each run: program, version, command, hash. */
-function originTables(runs) {
-  return runs.flatMap((run) => {
-    const command = Array.isArray(run.command) ? run.command.join(" ") : run.command;
-    return factTables(`${codeOf(run.code).label}, seed ${words(run.seed)}`,
-        {version: run.version, command, input_hash: run.input_hash, ...(run.made_by && Object.keys(run.made_by).length ? {"made by": run.made_by} : {})});
-  });
+/** What made each run: enough to find it again; all that is known of it is in results.json. */
+function originTable(runs) {
+  const short = (hash) => hash ? String(hash).slice(0, 12) : null;
+  return runTable("What made each run", runs, [["version", "", (run) => run.version], ["host", "", (run) => run.made_by?.host],
+    ["compiler", "", (run) => run.made_by?.compiler], ["git", "", (run) => short(run.made_by?.git_hash)], ["input hash", "", (run) => short(run.input_hash)],
+    ["command", "", (run) => Array.isArray(run.command) ? run.command.join(" ") : run.command]], "runs origins");
 }

@@ -140,5 +140,7 @@ function anchorOf(name) {
   }
   return anchors.get(name);
 }
+/** A name that may break into lines after a slash or an underscore. */
+const breakable = (name) => String(name).split(/(?<=[/_])/).flatMap((part, k) => k ? [make("wbr"), part] : [part]);
 /** A link to a point's section, or plain text where the report has no such point. */
 const pointLink = (name, ...content) => anchors.has(name) ? make("a", {href: `#${anchors.get(name)}`}, ...content) : make("span", {}, ...content);
