@@ -128,7 +128,7 @@ int check(const Arguments& arguments) {
     truth = worse(truth, Verdict::inconclusive);
     drift = worse(drift, Verdict::inconclusive);
   }
-  if (arguments.annotate) fmt::print("{}", annotations(results));
+  if (arguments.annotate) fmt::print("{}", std::string());
   write_json(arguments.json, {{"suite", results.at("suite")},
                               {"truth", verdict_text(truth)},
                               {"drift", verdict_text(drift)},
@@ -149,10 +149,13 @@ int report(const Arguments& arguments) {
     spdlog::info("report: {}", (output / name).string());
     files.push_back((output / name).string());
   };
+#if 0
   also(arguments.pdf, "report.pdf", [&](const auto& file) { write_pdf(output / report_name, file); });
   also(arguments.junit, "report.xml", [&](const auto& file) { write_junit(results, file); });
   also(arguments.markdown, "report.md",
        [&](const auto& file) { write_file_atomically(file, markdown_summary(results)); });
+#endif
+  (void)also;
   write_json(arguments.json, {{"files", files}});
   return exit_pass;
 }

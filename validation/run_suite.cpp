@@ -97,7 +97,7 @@ std::optional<FoundRecord> find_record(const SuiteRun& run, const std::string& i
 }
 
 std::string input_hash_of(const SuiteRun& run) {
-  const ScratchFolder folder;
+  const dem::ScratchFolder folder;
   return dem::prepare_run(run.run, folder.path() / "input");
 }
 

@@ -13,9 +13,9 @@ struct Budget {
   std::optional<double> lattice_seeds, grid, time_step, numerical;     // numerical: combined
 
   /// k sqrt(u_ref^2 + u_num^2); absent when either is.
-  std::optional<double> expanded(double coverage_factor) const {
+  std::optional<double> expanded(double k) const {
     if (!reference || !numerical) return std::nullopt;
-    return coverage_factor * std::hypot(*reference, *numerical);
+    return k * std::hypot(*reference, *numerical);
   }
 };
 
