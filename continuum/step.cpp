@@ -35,11 +35,11 @@ double next_event(const State& state) {
   return next;
 }
 
+/// So that the damping in a second does not depend on how long the steps are.
 double pic_share(const State& state, const StepSettings& settings, double dt) {
   const double g = state.gravity.norm();
   if (g <= 0.0) return 0.0;
-  return std::min(1.0,
-                  settings.pic_share * dt / (settings.gravity_courant * std::sqrt(state.grid.spacing / g)));
+  return std::min(1.0, settings.pic_share * dt / (pic_reference_step * std::sqrt(state.grid.spacing / g)));
 }
 
 /// Where the particles are, and the region that this makes active.

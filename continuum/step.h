@@ -45,6 +45,9 @@ struct State {
   RenderPoints render_points;      // of the particles; none unless the scene asks for them
 };
 
+/// The step that StepSettings::pic_share is of, in sqrt(h / g).
+inline constexpr double pic_reference_step = 0.25;
+
 struct StepSettings {
   Scheme scheme = Scheme::consistent;
   ProjectionSettings projection;

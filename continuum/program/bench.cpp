@@ -104,6 +104,7 @@ Tally time_scene(const Scene& scene, int frames) {
 
 nlohmann::json json_of(const Tally& t, const Scene& scene, const std::string& command_line) {
   nlohmann::json made_by = provenance();
+  if (!scene.broken.empty()) made_by["broken"] = scene.broken;
   made_by["command_line"] = command_line;
   const auto iterations = [&](long total) {
     return nlohmann::json{{"total", total}, {"per_step", t.per_step(static_cast<double>(total))}};
@@ -169,6 +170,7 @@ void bench(const BenchOptions& options) {
   const Scene scene = read_scene(options.scene);
   const int frames = frames_to_run(scene, options);
   if (options.json) check_place(*options.json);
+  warn_if_broken(scene);
   const Tally tally = time_scene(scene, frames);
   fmt::print("{}", table_of(tally, scene));
   if (options.json)

@@ -1,5 +1,8 @@
-// The time of a scene, cut into frames, and the steps that lead to the end of each: what `talus run` and `talus bench` do alike.
+// What `talus run` and `talus bench` do alike: the time of a scene, cut into frames, the steps that lead to the end of each, and
+// a word on solvers that are broken on purpose.
 #pragma once
+
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +10,16 @@
 #include "continuum/scene/scene.h"
 
 namespace talus {
+
+/// So that nobody uses one unknowingly.
+inline void warn_if_broken(const Scene& scene) {
+  if (scene.broken.empty()) return;
+  spdlog::warn(
+      "{}: [solver] broken = \"{}\" makes this solver wrong on purpose, for the harness's mutation check; "
+      "its "
+      "results are not sand's",
+      scene.file.string(), scene.broken);
+}
 
 /// Frames until the scene's end; the last one may be shorter.
 inline int frame_count(const Scene& scene) {

@@ -54,6 +54,9 @@ void run(const RunOptions& options) {
   made_by["input_hash"] = scene.input_hash;
   made_by["threads"] = thread_count();
 
+  if (!scene.broken.empty()) made_by["broken"] = scene.broken;
+  warn_if_broken(scene);
+
   clear_old_results(output);
   State state = initial_state(scene);
   Budget budget(state);
@@ -85,10 +88,11 @@ void run(const RunOptions& options) {
   }
   snapshots.finish();
   steps.finish();
-  const nlohmann::json summary{{"schema", "talus-run"},     {"schema_version", 1},
-                               {"provenance", made_by},     {"scene", options.scene.filename().string()},
-                               {"simulated_s", state.time}, {"particles", state.particles.count()},
-                               {"budget", budget.summary()}};
+  nlohmann::json summary{{"schema", "talus-run"},     {"schema_version", 1},
+                         {"provenance", made_by},     {"scene", options.scene.filename().string()},
+                         {"simulated_s", state.time}, {"particles", state.particles.count()},
+                         {"budget", budget.summary()}};
+  if (!scene.broken.empty()) summary["broken"] = scene.broken;
   write_file_atomically(output / "run.json", summary.dump(2) + "\n");
   spdlog::info("budget: {}", budget.summary().dump());
 }

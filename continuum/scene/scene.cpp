@@ -9,6 +9,7 @@
 #include "continuum/files/checked_table.h"
 #include "continuum/files/provenance.h"
 #include "continuum/scene/read_shape.h"
+#include "continuum/scene/read_solver.h"
 
 namespace talus {
 namespace {
@@ -212,24 +213,6 @@ void check_walls(const CheckedTable& root, const Scene& scene) {
   }
 }
 
-Scheme read_scheme(const CheckedTable& solver, Scheme otherwise) {
-  constexpr std::array<std::string_view, 2> schemes{"consistent", "paper"};
-  if (!solver.has("scheme")) return otherwise;
-  return solver.choice("scheme", schemes) == "paper" ? Scheme::paper : Scheme::consistent;
-}
-
-ProjectionSettings read_projection(const CheckedTable& solver) {
-  ProjectionSettings p;
-  p.iterations = static_cast<int>(solver.integer("iterations", 1, 100, p.iterations));
-  p.cold_iterations = static_cast<int>(solver.integer("cold_iterations", 1, 100, p.cold_iterations));
-  p.tolerance = solver.number("tolerance", {1e-12, 1.0}, p.tolerance);
-  p.max_pressure_iterations =
-      static_cast<int>(solver.integer("max_pressure_iterations", 1, 1'000'000, p.max_pressure_iterations));
-  p.max_friction_iterations =
-      static_cast<int>(solver.integer("max_friction_iterations", 1, 1'000'000, p.max_friction_iterations));
-  return p;
-}
-
 /// per_cell_axis = n, or per_cell = [nx, ny, nz]: one along an axis is enough where nothing varies along it.
 Eigen::Vector3i read_particles_per_cell(const CheckedTable& particles) {
   constexpr int most = 8;
@@ -317,12 +300,7 @@ Scene read_scene(const std::filesystem::path& file) {
   }
   time.finish();
 
-  if (const auto solver = root.optional_table("solver")) {
-    scene.settings.scheme = read_scheme(*solver, scene.settings.scheme);
-    scene.settings.projection = read_projection(*solver);
-    scene.settings.pic_share = solver->number("pic_share", {0.0, 1.0}, scene.settings.pic_share);
-    solver->finish();
-  }
+  if (const auto solver = root.optional_table("solver")) scene.broken = read_solver(*solver, scene.settings);
   root.finish();
   return scene;
 }

@@ -33,6 +33,7 @@ struct Scene {
   double end_time;                     // s
   double frame_interval;               // s
   StepSettings settings;
+  std::string broken;  // the name of a deliberate defect (read_solver.h); empty: sound
 };
 
 /// Reads and checks a scene. Throws InputError naming file, line, key, value and what is allowed.

@@ -18,7 +18,7 @@ constexpr double wall_edge_share = 1.0 / 2.0;
 
 Field confining_pressure(const ActiveRegion& region, const Field& fill, const Field& pressure,
                          const Field& velocity, double loosening) {
-  Field confining = pressure, compression(region.cell_count() + 1);
+  Field confining = pressure.max(0.0), compression(region.cell_count() + 1);
   gradient_transpose(region, velocity, compression);  // - h div v
   for (int cell = 0; cell < region.cell_count(); ++cell) {
     if (fill[cell] >= packed_fill || -compression[cell] > loosening) continue;

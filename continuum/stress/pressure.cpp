@@ -49,6 +49,18 @@ BoundQpResult PressureSolver::solve(const Field& free_velocity, const Field& roo
   return result;
 }
 
+BoundQpResult PressureSolver::solve_pulling(const Field& free_velocity, const BoundQpSettings& settings,
+                                            Field& pressure, const ProblemRecorder& record) {
+  const Eigen::Index n = region_.cell_count();
+  gradient_transpose(region_, free_velocity, transposed_);
+  BoundQp liquid = problem("pressure", -transposed_.head(n), pressure.head(n), settings);
+  liquid.lower = -liquid.upper;  // 0 in cells that nothing moves with
+  if (record) record(liquid);
+  const BoundQpSolution solution = talus::solve(liquid);
+  pressure.head(n) = solution.x;
+  return solution.result;
+}
+
 BoundQpResult solve_pressure(const ActiveRegion& region, const Field& inverse_mass,
                              const Field& free_velocity, const Field& room, const BoundQpSettings& settings,
                              Field& pressure, const ProblemRecorder& record, const char* name) {

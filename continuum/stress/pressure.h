@@ -27,6 +27,12 @@ class PressureSolver {
   BoundQpResult solve(const Field& free_velocity, const Field& room, const BoundQpSettings& settings,
                       Field& pressure, const ProblemRecorder& record = {}, const char* name = "pressure");
 
+  /// A deliberate defect (ProjectionSettings::pressure_pulls): the pressure of an incompressible liquid, h div v = 0 with P of
+  /// either sign, by plain MPRGP. `room` goes with the bound: without P >= 0 it would be a demand, not a limit, and loose sand
+  /// sucks itself in (a column imploded after 0.11 s). Should the energy have no minimum, it is told as not converged.
+  BoundQpResult solve_pulling(const Field& free_velocity, const BoundQpSettings& settings, Field& pressure,
+                              const ProblemRecorder& record = {});
+
  private:
   BoundQp problem(const char* name, const Field& linear, const Field& start,
                   const BoundQpSettings& settings) const;

@@ -87,7 +87,10 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
 
     friction.apply(stress.copies, impulse);
     without_pressure = free_velocity + inverse_mass * impulse;
-    const auto packed = pressure.solve(without_pressure, room, bound, stress.pressure, settings.record);
+    const auto packed =
+        settings.pressure_pulls
+            ? pressure.solve_pulling(without_pressure, bound, stress.pressure, settings.record)
+            : pressure.solve(without_pressure, room, bound, stress.pressure, settings.record);
     report.seconds[Phase::pressure] += watch.lap();
 
     report.friction_iterations += frictional.iterations;

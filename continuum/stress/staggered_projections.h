@@ -35,7 +35,8 @@ struct ProjectionSettings {
   double tolerance = 0.01;  // of both solves, in units of g dt
   int max_pressure_iterations = 2000;
   int max_friction_iterations = 2000;
-  ProblemRecorder record;  // unless empty, is given each problem before it is solved
+  bool pressure_pulls = false;  // a deliberate defect, for the mutation check of the harness only
+  ProblemRecorder record;       // unless empty, is given each problem before it is solved
 };
 
 struct ProjectionReport {

@@ -74,6 +74,68 @@ TEST(Gate, AStepEndsWhenItOpensAndTheNextIsCold) {
   EXPECT_EQ(at_gate, 1);
 }
 
+/// A block of sand in free flight, its particles swinging against each other too finely for the grid to see.
+State shimmering_block() {
+  State state = initial_state(testing::box_scene({10, 10, 10}, {6.0, 6.0, 6.0}, h, 0.5));
+  for (Eigen::Index p = 0; p < state.particles.count(); ++p) {
+    const Eigen::Vector3d place = state.particles.positions.col(p) / (0.5 * h);
+    const bool odd =
+        static_cast<long>(std::floor(place[0]) + std::floor(place[1]) + std::floor(place[2])) % 2;
+    state.particles.velocities(0, p) = odd ? 1e-3 : -1e-3;
+  }
+  return state;
+}
+
+TEST(TimeStep, HalfAsLongTakesTwiceAsManyStepsAndDampsNoMore) {
+  double left[2];
+  int steps[2] = {0, 0};
+  for (const int half : {0, 1}) {
+    State state = shimmering_block();
+    state.gravity = {0.0, 0.0, -0.1};  // so that no step is short for speed
+    StepSettings settings;
+    settings.reshape = false;
+    settings.pic_share = 0.3;
+    settings.courant *= half ? 0.5 : 1.0;
+    settings.gravity_courant *= half ? 0.5 : 1.0;
+    const double longest = settings.gravity_courant * std::sqrt(h / 0.1);
+    testing::run_for(state, settings, 0.4, [&](const State&, const StepReport& report) {
+      EXPECT_LE(report.dt, longest * (1.0 + 1e-9));
+      ++steps[half];
+    });
+    left[half] = state.particles.velocities.row(0).norm();
+  }
+  EXPECT_NEAR(steps[1], 2 * steps[0], 1);
+  EXPECT_GT(left[0], 0.0);
+  // (1 - 0.3)^n against (1 - 0.15)^2n.
+  EXPECT_NEAR(std::log(left[1] / left[0]), steps[0] * std::log(0.85 * 0.85 / 0.7), 0.02 * steps[0]);
+}
+
+TEST(Defects, LeaveTheirMark) {
+  const auto after = [](const StepSettings& settings) {
+    Scene scene = testing::box_scene({24, 1, 16}, {6.0, 1.0, 6.0}, h, 0.5);
+    scene.grid.periodic[1] = true;
+    scene.sides[0][0] = {true, 0.0};
+    scene.sides[2][0] = {true, 0.5};
+    for (Filling& filling : scene.fillings) filling.velocity = {0.0, 0.0, -1.0};
+    State state = initial_state(scene);
+    double peak = 0.0;
+    bool pulled = false;
+    testing::run_for(state, settings, 0.1, [&](const State& now, const StepReport& report) {
+      peak = std::max(peak, report.packing.peak_fill);
+      pulled = pulled || pressure_of(now.warm->stress).minCoeff() < 0.0;
+      EXPECT_EQ(report.cap_hits(), 0);
+    });
+    return std::pair{peak, pulled};
+  };
+  StepSettings pulls, overfull;
+  pulls.projection.pressure_pulls = true;
+  overfull.packing_tolerance = std::numeric_limits<double>::infinity();
+  const auto [sound_peak, sound_pulled] = after({});
+  EXPECT_FALSE(sound_pulled);
+  EXPECT_TRUE(after(pulls).second);
+  EXPECT_GT(after(overfull).first, sound_peak + 0.05);
+}
+
 /// An empty domain takes its steps from one event to the next, or to where it is told to.
 State empty_domain(int cells = 10) {
   Scene scene = testing::box_scene(Eigen::Vector3i::Constant(cells), {1.0, 1.0, 1.0}, h, 0.5);

@@ -43,6 +43,26 @@ TEST(TalusProgram, RunsASceneToSnapshotsAndABudget) {
   EXPECT_GT(run["budget"]["friction_iterations"], 0);
 }
 
+TEST(TalusProgram, SaysLoudlyThatItsSolverIsBrokenOnPurpose) {
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
+  const auto run_of = [&](const std::string& solver) {
+    std::ofstream(folder / "scene.toml") << small_scene("0.02") << solver;
+    const auto result =
+        run_program({"talus", "run", (folder / "scene.toml").string(), "-o", (folder / "out").string()});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return std::pair{result.output, nlohmann::json::parse(read_file(folder / "out" / "run.json"))};
+  };
+  const auto [said, run] = run_of("[solver]\nbroken = \"pressure_pulls\"\n");
+  EXPECT_THAT(said, HasSubstr("wrong on purpose"));
+  EXPECT_EQ(run["broken"], "pressure_pulls");
+  EXPECT_EQ(run["provenance"]["broken"], "pressure_pulls");
+  const auto [sound_said, sound_run] = run_of("");
+  EXPECT_THAT(sound_said, Not(HasSubstr("wrong on purpose")));
+  EXPECT_FALSE(sound_run.contains("broken"));
+  EXPECT_FALSE(sound_run["provenance"].contains("broken"));
+}
+
 /// The columns of a budget.csv by name.
 std::map<std::string, std::vector<double>> read_budget(const std::filesystem::path& file) {
   std::istringstream lines(read_file(file));

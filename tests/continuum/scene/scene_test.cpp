@@ -63,6 +63,37 @@ TEST(Scene, ChoosesTheScheme) {
   expect_error(good_scene + "[solver]\nscheme = \"papre\"\n", "paper");
 }
 
+TEST(Scene, CourantFactorScalesBothLimitsOfTheTimeStep) {
+  const auto settings = [](const std::string& solver) { return read(good_scene + solver).settings; };
+  const StepSettings whole = settings("[solver]\ncourant_factor = 1.0\n"),
+                     half = settings("[solver]\ncourant_factor = 0.5\n");
+  EXPECT_EQ(whole.courant, StepSettings{}.courant);
+  EXPECT_EQ(whole.gravity_courant, StepSettings{}.gravity_courant);
+  EXPECT_EQ(half.courant, 0.5 * whole.courant);
+  EXPECT_EQ(half.gravity_courant, 0.5 * whole.gravity_courant);
+  expect_error(good_scene + "[solver]\ncourant_factor = 0.0\n", "between 0.001 and 1");
+  expect_error(good_scene + "[solver]\ncourant_factor = 1.5\n", "between 0.001 and 1");
+}
+
+TEST(Scene, IsBrokenOnPurposeWhereItSaysSo) {
+  const Scene sound = read(good_scene + "[solver]\niterations = 2\n"),
+              pulls = read(good_scene + "[solver]\nbroken = \"pressure_pulls\"\n"),
+              overfull = read(good_scene + "[solver]\nbroken = \"no_density_correction\"\n");
+  EXPECT_EQ(sound.broken, "");
+  EXPECT_FALSE(sound.settings.projection.pressure_pulls);
+  EXPECT_EQ(sound.settings.packing_tolerance, StepSettings{}.packing_tolerance);
+  EXPECT_EQ(pulls.broken, "pressure_pulls");
+  EXPECT_TRUE(pulls.settings.projection.pressure_pulls);
+  EXPECT_EQ(pulls.settings.packing_tolerance, StepSettings{}.packing_tolerance);
+  EXPECT_EQ(overfull.broken, "no_density_correction");
+  EXPECT_FALSE(overfull.settings.projection.pressure_pulls);
+  EXPECT_EQ(overfull.settings.packing_tolerance, std::numeric_limits<double>::infinity());
+  expect_error(good_scene + "[solver]\nbroken = \"pressure_pull\"\n", "no_density_correction");
+  expect_error(good_scene + "[solver]\nbroken = false\n", "broken");
+  expect_error(good_scene + "[solver]\nscheme = \"paper\"\nbroken = \"pressure_pulls\"\n",
+               "breaks the consistent scheme only");
+}
+
 TEST(Scene, RefusesWhatCannotBeMeant) {
   expect_error(with("friction_angle_deg = 30.0", "friction_angle_deg = 300.0"), "between 0 and 60");
   expect_error(with("max_volume_fraction = 0.6", "max_volume_fraction = 60"), "between 0.1 and 0.8");

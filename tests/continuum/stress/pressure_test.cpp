@@ -254,6 +254,28 @@ TEST(Pressure, StopsAtItsCapAndSaysSo) {
   }
 }
 
+TEST(Pressure, ThatPullsHoldsTogetherWhatFliesApart) {
+  // Rising from the floor and flying apart: sand lets it, a liquid does not.
+  Instance instance = falling_column(12);
+  instance.velocity = -instance.velocity;
+  const BoundQpSettings settings{1e-9, 5000};
+  PressureSolver solver(instance.region, instance.inverse_mass);
+  const Eigen::Index n = instance.region.cell_count();
+  Field sand = Field::Zero(n + 1), liquid = sand;
+  EXPECT_TRUE(solver.solve(instance.velocity, instance.room, settings, sand).converged);
+  EXPECT_EQ(sand.abs().maxCoeff(), 0.0);
+  EXPECT_TRUE(solver.solve_pulling(instance.velocity, settings, liquid).converged);
+  EXPECT_LT(liquid.minCoeff(), -1.0);
+  Field impulse = Field::Zero(instance.velocity.size()), divergence(n + 1);
+  add_gradient(instance.region, liquid, -1.0, impulse);
+  gradient_transpose(instance.region, instance.velocity + instance.inverse_mass * impulse, divergence);
+  EXPECT_LE(divergence.head(n).abs().maxCoeff(), 1.1e-9);
+  // Where it pushes, it is what sand's is with no room: the problem turned upside down.
+  Field pushed = Field::Zero(n + 1);
+  solver.solve(-instance.velocity, instance.room, settings, pushed);
+  EXPECT_LT((pushed + liquid).abs().maxCoeff(), 1e-6 * pushed.maxCoeff());
+}
+
 TEST(Pressure, TakesNoIterationFromTheSolution) {
   const Instance instance = falling_column(16);
   PressureSolver solver(instance.region, instance.inverse_mass);
