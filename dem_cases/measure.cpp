@@ -90,13 +90,11 @@ json measure_outflow(const Case& a_case, const SnapshotSeries& series, double th
   const auto& o = m.observables;
   std::vector<double> mass = m.curve.mass;
   for (double& kilograms : mass) kilograms *= scale;
-  json observables{{"discharge_rate", scale * o.rate},
-                   {"discharge_rate_error", scale * o.rate_standard_error},
-                   {"flatness", o.flatness},
-                   {"window_start", o.window_start},
-                   {"window_end", o.window_end},
-                   {"residual", o.residual},
-                   {"released_mass", mass.front()}};
+  json observables{
+      {"discharge_rate", scale * o.rate}, {"discharge_rate_error", scale * o.rate_standard_error},
+      {"flatness", o.flatness},           {"window_start", o.window_start},
+      {"window_end", o.window_end},       {"residual", o.residual},
+      {"released_mass", mass.front()}};
   if (o.emptied_time) observables["emptied_time"] = *o.emptied_time;
   return {{"observables", observables}, {"curves", {{"time", m.curve.time}, {"mass", mass}}}};
 }

@@ -85,7 +85,8 @@ int list(const Arguments& arguments) {
                     {"expected_cpu_s", run.run.expected_cpu},
                     {"memory_mb", run.memory},
                     {"state", state}});
-    fmt::print("{:<60} {:>7.0f} CPU-s {:>6.0f} MB  {}\n", run.name(), run.run.expected_cpu, run.memory, state);
+    fmt::print("{:<60} {:>7.0f} CPU-s {:>6.0f} MB  {}\n", run.name(), run.run.expected_cpu, run.memory,
+               state);
   }
   fmt::print("to be made: about {:.0f} CPU-s\n", cost);
   write_json(arguments.json, {{"suite", suite.name}, {"file", suite.file.string()}, {"runs", rows}});
@@ -173,8 +174,8 @@ int accept_baseline(const Arguments& arguments) {
     throw InputError(fmt::format("{}; run the suite again before accepting", stale));
   const json entry = accept(results, arguments.reason, arguments.baseline);
   for (const auto& change : entry.at("changes")) {
-    fmt::print("{} {}: {} -> {}\n", change.at("name").get<std::string>(), change.at("observable").get<std::string>(),
-               change.at("old").dump(), change.at("new").dump());
+    fmt::print("{} {}: {} -> {}\n", change.at("name").get<std::string>(),
+               change.at("observable").get<std::string>(), change.at("old").dump(), change.at("new").dump());
   }
   fmt::print("accepted: {} values moved\n", entry.at("changes").size());
   write_json(arguments.json, entry);

@@ -17,8 +17,9 @@ using nlohmann::json;
 /// Below `runs`, if it holds this very run.
 std::optional<std::filesystem::path> snapshots_below(const std::filesystem::path& runs, const json& point,
                                                      const json& run) {
-  const auto folder = runs / point.at("case").get<std::string>() / point.at("point").get<std::string>() /
-                      fmt::format("{}_seed{}", run.at("code").get<std::string>(), run.at("seed").get<std::uint64_t>());
+  const auto folder =
+      runs / point.at("case").get<std::string>() / point.at("point").get<std::string>() /
+      fmt::format("{}_seed{}", run.at("code").get<std::string>(), run.at("seed").get<std::uint64_t>());
   if (!std::filesystem::exists(folder / "record.json") || !std::filesystem::exists(folder / "snapshots.h5"))
     return std::nullopt;
   const json record = json::parse(read_file(folder / "record.json"), nullptr, false);
@@ -38,7 +39,8 @@ PictureOptions options_for(const json& point, const json& run) {
     options.thickness = run.at("thickness_m");
   else
     options.slice_half_width = d;
-  if (options.code == continuum_code) options.packing = point.at("calibration").at("max_volume_fraction").get<double>();
+  if (options.code == continuum_code)
+    options.packing = point.at("calibration").at("max_volume_fraction").get<double>();
   options.field_spacing = 2.0 * d;
   return options;
 }

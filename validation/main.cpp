@@ -25,7 +25,8 @@ std::atomic<bool> interrupted = false;
 extern "C" void interrupt(int) { interrupted = true; }
 
 void add_list(CLI::App& app, Arguments& a) {
-  auto* command = app.add_subcommand("list", "List the suites, or the runs of one: cost, memory, whether they are there");
+  auto* command =
+      app.add_subcommand("list", "List the suites, or the runs of one: cost, memory, whether they are there");
   command->add_option("suite", a.suite, "name of a suite, or a suite file (.toml)");
   command->add_option("-o,--output", a.output, "folder of the results, to see what is there");
   command->add_option("--tag", a.tag, "only points that carry this tag, and what they require");
@@ -35,10 +36,12 @@ void add_list(CLI::App& app, Arguments& a) {
 
 void add_run(CLI::App& app, Arguments& a) {
   auto* command = app.add_subcommand(
-      "run", "Run what is missing of a suite; then results.json, both gates, report.html in the output folder");
+      "run",
+      "Run what is missing of a suite; then results.json, both gates, report.html in the output folder");
   command->add_option("suite", a.suite, "name of a suite, or a suite file (.toml)")->required();
   command->add_option("-o,--output", a.output, "folder of the results")->required();
-  command->add_option("--only", a.only, "CASE/POINT/CODE/SEED or the beginning of it: these runs alone, and no results");
+  command->add_option("--only", a.only,
+                      "CASE/POINT/CODE/SEED or the beginning of it: these runs alone, and no results");
   command->add_option("--tag", a.tag, "only points that carry this tag, and what they require");
   command->add_flag("--force", a.force, "make runs that are there again");
   command->add_flag("--no-report", a.no_report, "results.json only");
@@ -51,7 +54,9 @@ void add_run(CLI::App& app, Arguments& a) {
 void add_check(CLI::App& app, Arguments& a) {
   auto* command = app.add_subcommand("check", "Judge stored results: the exit code is the verdict");
   command->add_option("-o,--output", a.output, "folder of the results")->required();
-  command->add_option("--gate", a.gate, "truth (against the discrete codes), drift (against the accepted baseline), or both")
+  command
+      ->add_option("--gate", a.gate,
+                   "truth (against the discrete codes), drift (against the accepted baseline), or both")
       ->check(CLI::IsMember({"truth", "drift", "both"}))
       ->capture_default_str();
   command->add_flag("--annotate", a.annotate, "a GitHub workflow command for each row that does not pass");
@@ -98,7 +103,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", version_line("talus-validate"));
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 done (check: PASS; mutate: all found out), 1 a run failed, check says FAIL or a mutant survives, "
+      "Exit codes: 0 done (check: PASS; mutate: all found out), 1 a run failed, check says FAIL or a mutant "
+      "survives, "
       "2 bad input, 3 check says INCONCLUSIVE, 130 interrupted.");
   Arguments arguments;
   app.add_option("--baseline", arguments.baseline, "folder of accepted baselines, for the drift gate")

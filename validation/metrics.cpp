@@ -5,7 +5,8 @@
 #include <map>
 
 #include "analysis/statistics/beverloo.h"
-#include "analysis/statistics/fit_error.h"
+#include "analysis/statistics/equivalence.h"
+#include "analysis/statistics/model_bias.h"
 #include "validation/backends/continuum.h"
 #include "validation/gates/values.h"
 
@@ -54,7 +55,8 @@ std::map<std::pair<std::string, std::string>, Slots> slots_of(const json& result
 json fit_json(const Slots& slots) {
   json points = json::array();
   for (const auto& point : slots.points)
-    points.push_back({{"opening_m", point.opening}, {"rate_kg_s", point.rate}, {"error_kg_s", point.standard_error}});
+    points.push_back(
+        {{"opening_m", point.opening}, {"rate_kg_s", point.rate}, {"error_kg_s", point.standard_error}});
   json fit{{"points", points}};
   if (slots.points.size() < 3) return fit;
   try {
@@ -72,9 +74,62 @@ json fit_json(const Slots& slots) {
   return fit;
 }
 
+/// Continuum over reference, of one observable at all points.
+struct Comparisons {
+  std::vector<analysis::ModelPair> pairs;
+  double band = 0.0;
+  double squared_uncertainty = 0.0;  // of the references, summed where known
+  int known = 0;
+};
+
+json metric(const std::string& observable, const Comparisons& comparisons) {
+  const double reference =
+      comparisons.known > 0 ? std::sqrt(comparisons.squared_uncertainty / comparisons.known) : 0.0;
+  json row{{"observable", observable}, {"n", comparisons.pairs.size()}, {"reference_relative_sd", reference}};
+  const auto result = analysis::model_bias(comparisons.pairs, reference);
+  if (!result.found) {
+    row["why_not"] = result.why_not;
+    return row;
+  }
+  const auto& bias = *result.found;
+  row.update({{"bias_factor", bias.bias_factor},
+              {"bias_interval", {bias.bias_interval.lower, bias.bias_interval.upper}},
+              {"model_relative_sd", bias.model_deviation},
+              {"model_relative_sd_interval",
+               {bias.model_deviation_interval.lower, bias.model_deviation_interval.upper}}});
+  // Of the mean deviation over points, whose scatter is its uncertainty.
+  std::vector<double> deviations;
+  for (const auto& pair : comparisons.pairs) deviations.push_back(pair.model - 1.0);
+  const auto s = analysis::ensemble_statistics(deviations);
+  const auto count = static_cast<double>(s.count);
+  const auto equivalence = analysis::test_equivalence(s.mean, s.standard_deviation / std::sqrt(count),
+                                                      count - 1.0, comparisons.band);
+  row["equivalence"] = {
+      {"band", comparisons.band}, {"p", equivalence.p}, {"equivalent", equivalence.equivalent}};
+  return row;
+}
+
 }  // namespace
 
-json suite_metrics(const json&) { return json::array(); }
+json suite_metrics(const json& results) {
+  std::map<std::string, Comparisons> found;
+  for (const auto& point : results.at("points")) {
+    for (const auto& row : point.at("truth")) {
+      const std::string observable = row.at("observable");
+      if (observable == "profile_L1" || !row.at("deviation").is_number()) continue;  // a distance has no bias
+      Comparisons& comparisons = found[observable];
+      comparisons.pairs.push_back({1.0 + row.at("deviation").get<double>(), 1.0});
+      comparisons.band = row.at("band");
+      if (const auto& u = row.at("u_reference").at("combined"); u.is_number()) {
+        comparisons.squared_uncertainty += u.get<double>() * u.get<double>();
+        ++comparisons.known;
+      }
+    }
+  }
+  json metrics = json::array();
+  for (const auto& [observable, comparisons] : found) metrics.push_back(metric(observable, comparisons));
+  return metrics;
+}
 
 json beverloo_fits(const json& results) {
   json fits = json::array();

@@ -62,8 +62,8 @@ void judge_point(const json& point, const std::vector<json>& records, json& muta
   }
 }
 
-json try_mutant(const Mutant& mutant, const Suite& suite, const json& results, const std::filesystem::path& output,
-                const MakingOptions& options) {
+json try_mutant(const Mutant& mutant, const Suite& suite, const json& results,
+                const std::filesystem::path& output, const MakingOptions& options) {
   spdlog::info("mutant: {}", mutant.title);
   json tried{{"name", mutant.name}, {"title", mutant.title}, {"rows", json::array()}, {"by", json::array()}};
   const auto runs = plan_runs(suite, output / "mutants" / mutant.name, mutant.defects);
@@ -84,7 +84,8 @@ json try_mutant(const Mutant& mutant, const Suite& suite, const json& results, c
         failed = true;
     }
     if (failed)
-      tried["by"].push_back({{"name", point.at("name")}, {"observable", "the run itself"}, {"verdict", "run failed"}});
+      tried["by"].push_back(
+          {{"name", point.at("name")}, {"observable", "the run itself"}, {"verdict", "run failed"}});
     else if (!records.empty())
       judge_point(point, records, tried);
   }
@@ -97,7 +98,8 @@ json try_mutant(const Mutant& mutant, const Suite& suite, const json& results, c
 json try_mutants(const Suite& suite, const json& results, const std::filesystem::path& output,
                  const MakingOptions& options) {
   if (suite.mutants.empty()) {
-    throw InputError(fmt::format("{}: key 'mutants': is missing; name what shall be tried", suite.file.string()));
+    throw InputError(
+        fmt::format("{}: key 'mutants': is missing; name what shall be tried", suite.file.string()));
   }
   const Suite continuum = continuum_of(suite);
   json tried = json::array();
@@ -118,7 +120,8 @@ std::string mutants_text(const json& mutants) {
                         row.at("observable").get<std::string>(),
                         row.at("verdict") == "run failed" ? " (run failed)" : "");
     }
-    text += fmt::format("{:<36}{}{}\n", mutant.at("title").get<std::string>(), killed ? "found out by " : "SURVIVES", by);
+    text += fmt::format("{:<36}{}{}\n", mutant.at("title").get<std::string>(),
+                        killed ? "found out by " : "SURVIVES", by);
   }
   return text + fmt::format("{} of {} mutants survive\n", survivors, mutants.size());
 }

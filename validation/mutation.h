@@ -10,8 +10,8 @@ namespace talus::validation {
 /// |deviation| > band + U with it, or where its run ends in an error. Returns "mutants" of results.json:
 /// [{"name", "title", "killed", "runs", "rows": [{"name", "observable", "deviation", "before", "verdict"}],
 ///   "by": [{"name", "observable", "verdict"}]}]. Throws InputError for a suite without mutants, RunError when interrupted.
-nlohmann::json try_mutants(const Suite& suite, const nlohmann::json& results, const std::filesystem::path& output,
-                           const MakingOptions& options);
+nlohmann::json try_mutants(const Suite& suite, const nlohmann::json& results,
+                           const std::filesystem::path& output, const MakingOptions& options);
 
 /// A line a mutant, and how many survived.
 std::string mutants_text(const nlohmann::json& mutants);

@@ -83,7 +83,9 @@ json point_json(const Suite& suite, const SuitePoint& point, const std::vector<S
   for (const auto& run : runs) {
     if (run.point != point.name()) continue;
     auto found = find_record(run);
-    if (!found) throw InputError(fmt::format("{}: this run is not there; make it with 'talus-validate run'", run.name()));
+    if (!found)
+      throw InputError(
+          fmt::format("{}: this run is not there; make it with 'talus-validate run'", run.name()));
     records.push_back(run_json(point, std::move(*found)));
   }
   const dem::Case& a_case = point.a_case;
@@ -105,7 +107,8 @@ json point_json(const Suite& suite, const SuitePoint& point, const std::vector<S
 
 }  // namespace
 
-json assemble_results(const Suite& suite, const std::vector<SuiteRun>& runs, const std::string& command_line) {
+json assemble_results(const Suite& suite, const std::vector<SuiteRun>& runs,
+                      const std::string& command_line) {
   json results{{"schema", "talus-results"},
                {"schema_version", schema_version},
                {"suite", suite.name},
@@ -152,8 +155,8 @@ json read_results(const std::filesystem::path& folder) {
   }
   if (!results.is_object() || results.value("schema", "") != "talus-results" ||
       results.value("schema_version", 0) != schema_version) {
-    throw InputError(fmt::format("{}: not talus-results of schema version {}; run the suite again", file.string(),
-                                 schema_version));
+    throw InputError(fmt::format("{}: not talus-results of schema version {}; run the suite again",
+                                 file.string(), schema_version));
   }
   if (!results.value("complete", false))
     throw InputError(fmt::format("{}: not complete; run the suite again", file.string()));
@@ -164,7 +167,9 @@ std::string why_stale(const json& results) {
   const auto changed = [](const std::string& file, const std::string& hash) {
     return !std::filesystem::exists(file) || sha256(read_file(file)) != hash;
   };
-  const auto told = [](const std::string& what) { return what + " has changed since these results were made"; };
+  const auto told = [](const std::string& what) {
+    return what + " has changed since these results were made";
+  };
   const std::string suite = results.at("suite_file"), calibration = results.at("calibration_file");
   if (changed(suite, results.at("provenance").at("suite_hash"))) return told(suite);
   if (changed(calibration, results.at("calibration_hash"))) return told(calibration);

@@ -80,13 +80,14 @@ std::optional<json> own_record(const SuiteRun& run) {
   try {
     return json::parse(read_file(file));
   } catch (const json::exception& error) {
-    throw InputError(fmt::format("{}: not a record of a run: {}; remove its folder", file.string(), error.what()));
+    throw InputError(
+        fmt::format("{}: not a record of a run: {}; remove its folder", file.string(), error.what()));
   }
 }
 
 std::optional<FoundRecord> find_record(const SuiteRun& run, const std::string& input_hash) {
-  if (auto own = own_record(run); own && own->value("input_hash", "") == input_hash &&
-                                  own->value("version", "") == run.run.version) {
+  if (auto own = own_record(run);
+      own && own->value("input_hash", "") == input_hash && own->value("version", "") == run.run.version) {
     return FoundRecord{std::move(*own), "run"};
   }
   if (run.stored) {
@@ -129,7 +130,8 @@ std::vector<SuiteRun> selected(const std::vector<SuiteRun>& runs, const std::vec
   };
   for (const auto& name : only) {
     if (std::ranges::none_of(runs, [&](const SuiteRun& run) { return selects(name, run); }))
-      throw InputError(fmt::format("--only {}: selects no run; 'talus-validate list SUITE' tells their names", name));
+      throw InputError(
+          fmt::format("--only {}: selects no run; 'talus-validate list SUITE' tells their names", name));
   }
   std::vector<SuiteRun> wanted;
   for (const auto& run : runs) {
@@ -167,7 +169,8 @@ int make_runs(const std::vector<SuiteRun>& runs, const MakingOptions& options) {
   const int failures = dem::run_side_by_side(queue, options.workers, options.stop);
   if (options.stop()) throw RunError("interrupted; finished runs are kept, the same command makes the rest");
   if (failures > 0)
-    throw RunError(fmt::format("{} of {} runs failed, as told above; the others are kept", failures, queue.size()));
+    throw RunError(
+        fmt::format("{} of {} runs failed, as told above; the others are kept", failures, queue.size()));
   return static_cast<int>(queue.size());
 }
 

@@ -57,7 +57,7 @@ std::string state_of(const SuiteRun& run);
 
 struct MakingOptions {
   int workers;
-  bool force = false;                       // make also what is there
+  bool force = false;  // make also what is there
   std::function<bool()> stop = [] { return false; };
 };
 

@@ -16,20 +16,22 @@ std::string number(const json& value, const char* format) {
 }
 
 std::string percent(const json& value, const char* format = "{:+.1f} %") {
-  return value.is_number() ? fmt::format(fmt::runtime(format), 100.0 * value.get<double>()) : std::string("-");
+  return value.is_number() ? fmt::format(fmt::runtime(format), 100.0 * value.get<double>())
+                           : std::string("-");
 }
 
 std::string mean_and_spread(const json& statistics) {
   if (!statistics.is_object()) return "-";
-  return fmt::format("{} +- {}", number(statistics.at("mean"), "{:.4g}"), number(statistics.at("sd"), "{:.2g}"));
+  return fmt::format("{} +- {}", number(statistics.at("mean"), "{:.4g}"),
+                     number(statistics.at("sd"), "{:.2g}"));
 }
 
 std::string text(const json& row, const char* key) { return row.at(key).get<std::string>(); }
 
 std::string truth_table(const json& point) {
-  std::string table =
-      fmt::format("{} ({})\n{:<22}{:>19}{:>19}{:>19}{:>11}{:>7}{:>8}  {}\n", text(point, "title"), text(point, "name"),
-                  "", "continuum", "liggghts", "yade", "deviation", "band", "U", "verdict");
+  std::string table = fmt::format("{} ({})\n{:<22}{:>19}{:>19}{:>19}{:>11}{:>7}{:>8}  {}\n",
+                                  text(point, "title"), text(point, "name"), "", "continuum", "liggghts",
+                                  "yade", "deviation", "band", "U", "verdict");
   for (const auto& row : point.at("truth")) {
     const std::string unit = text(row, "unit");
     table += fmt::format("{:<22}{:>19}{:>19}{:>19}{:>11}{:>7}{:>8}  {}: {}\n",
@@ -47,10 +49,10 @@ std::string drift_lines(const json& results) {
   for (const auto& point : results.at("points")) {
     for (const auto& row : point.at("drift")) {
       if (row.at("verdict") == "PASS" || row.at("baseline").is_null()) continue;
-      lines += fmt::format("drift: {} {}: {} -> {} ({}, tolerance {}): {}\n", text(point, "name"), text(row, "observable"),
-                           number(row.at("baseline"), "{:.6g}"), number(row.at("now"), "{:.6g}"),
-                           percent(row.at("change"), "{:+.2f} %"), percent(row.at("tolerance"), "{:.2f} %"),
-                           text(row, "why"));
+      lines += fmt::format("drift: {} {}: {} -> {} ({}, tolerance {}): {}\n", text(point, "name"),
+                           text(row, "observable"), number(row.at("baseline"), "{:.6g}"),
+                           number(row.at("now"), "{:.6g}"), percent(row.at("change"), "{:+.2f} %"),
+                           percent(row.at("tolerance"), "{:.2f} %"), text(row, "why"));
     }
   }
   return lines;
@@ -85,8 +87,9 @@ std::string summary_text(const json& results) {
     if (!point.at("truth").empty()) all += truth_table(point) + "\n";
   }
   all += drift_lines(results);
-  return all + fmt::format("drift verdict: {} ({})\ntruth verdict: {}\n", text(results.at("drift"), "verdict"),
-                           text(results.at("drift"), "why"), text(results, "verdict"));
+  return all + fmt::format("drift verdict: {} ({})\ntruth verdict: {}\n",
+                           text(results.at("drift"), "verdict"), text(results.at("drift"), "why"),
+                           text(results, "verdict"));
 }
 
 json comparison_of(const json& a, const json& b) {
@@ -114,13 +117,17 @@ json comparison_of(const json& a, const json& b) {
 }
 
 std::string comparison_text(const json& comparison) {
-  std::string all = fmt::format("{:<36}{:<18}{:>12}{:>12}{:>10}  verdict\n", "", "observable", "A", "B", "change");
-  const auto verdict = [](const json& value) { return value.is_string() ? value.get<std::string>() : std::string("-"); };
+  std::string all =
+      fmt::format("{:<36}{:<18}{:>12}{:>12}{:>10}  verdict\n", "", "observable", "A", "B", "change");
+  const auto verdict = [](const json& value) {
+    return value.is_string() ? value.get<std::string>() : std::string("-");
+  };
   for (const auto& row : comparison.at("rows")) {
-    all += fmt::format("{:<36}{:<18}{:>12}{:>12}{:>10}  {}{}\n", text(row, "name"), text(row, "observable"),
-                       number(row.at("a"), "{:.5g}"), number(row.at("b"), "{:.5g}"),
-                       percent(row.at("change"), "{:+.2f} %"), verdict(row.at("verdict_a")),
-                       row.at("verdict_a") == row.at("verdict_b") ? "" : " -> " + verdict(row.at("verdict_b")));
+    all +=
+        fmt::format("{:<36}{:<18}{:>12}{:>12}{:>10}  {}{}\n", text(row, "name"), text(row, "observable"),
+                    number(row.at("a"), "{:.5g}"), number(row.at("b"), "{:.5g}"),
+                    percent(row.at("change"), "{:+.2f} %"), verdict(row.at("verdict_a")),
+                    row.at("verdict_a") == row.at("verdict_b") ? "" : " -> " + verdict(row.at("verdict_b")));
   }
   return all;
 }

@@ -16,8 +16,8 @@ FolderLock::FolderLock(const std::filesystem::path& folder, Sharing sharing) {
   const int how = sharing == Sharing::alone ? LOCK_EX : LOCK_SH;
   if (descriptor_ < 0 || ::flock(descriptor_, how | LOCK_NB) != 0) {
     if (descriptor_ >= 0) ::close(descriptor_);
-    throw InputError(fmt::format("{}: another program is making runs there; wait for it, or give another folder",
-                                 folder.string()));
+    throw InputError(fmt::format(
+        "{}: another program is making runs there; wait for it, or give another folder", folder.string()));
   }
 }
 

@@ -63,8 +63,7 @@ TEST(Readme, FirstCommandRunsTheSmokeSuiteToAReportAndTheOthersRunToo) {
     EXPECT_NEAR(row["yade"]["mean"].get<double>() / row["liggghts"]["mean"].get<double>(), 1.0, 0.05) << name;
   }
   const std::string page = testing::drawn_page(source / "build/smoke/report.html");
-  EXPECT_THAT(page, AllOf(HasSubstr("data-errors=\"0\""),
-                          HasSubstr("Quasi-2-D column collapse")));
+  EXPECT_THAT(page, AllOf(HasSubstr("data-errors=\"0\""), HasSubstr("Quasi-2-D column collapse")));
 }
 
 TEST(Readme, CiRunsTheSecondCommand) {

@@ -121,7 +121,8 @@ TEST(MakeRuns, ADamagedRecordIsAnErrorThatNamesIt) {
   Bench bench({{"/bin/true"}});
   make_runs(bench.runs, bench.options());
   std::ofstream(bench.runs[0].folder / "record.json") << "{";
-  EXPECT_THAT(testing::input_error([&] { find_record(bench.runs[0]); }), HasSubstr("record.json: not a record"));
+  EXPECT_THAT(testing::input_error([&] { find_record(bench.runs[0]); }),
+              HasSubstr("record.json: not a record"));
 }
 
 TEST(Selected, TakesNamesAndTheirBeginnings) {
@@ -131,7 +132,8 @@ TEST(Selected, TakesNamesAndTheirBeginnings) {
   EXPECT_EQ(selected(bench.runs, {"column/tiny/yade"}).size(), 2u);
   ASSERT_EQ(selected(bench.runs, {"column/tiny/yade/2"}).size(), 1u);
   EXPECT_EQ(selected(bench.runs, {"column/tiny/yade/2"})[0].run.seed, 2u);
-  EXPECT_THAT(testing::input_error([&] { selected(bench.runs, {"column/tiny/yad"}); }), HasSubstr("selects no run"));
+  EXPECT_THAT(testing::input_error([&] { selected(bench.runs, {"column/tiny/yad"}); }),
+              HasSubstr("selects no run"));
 }
 
 }  // namespace

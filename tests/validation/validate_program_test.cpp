@@ -23,7 +23,8 @@ const std::string program = (std::filesystem::path(TALUS_BINARY_DIR) / "bin" / "
 const std::string tiny_suite = (source / "tests/validation/data/tiny_suite.toml").string();
 
 testing::ProgramResult validate(const std::string& command, const std::string& suite,
-                                const std::filesystem::path& output, const std::vector<std::string>& more = {}) {
+                                const std::filesystem::path& output,
+                                const std::vector<std::string>& more = {}) {
   std::vector<std::string> line{"talus-validate", command, suite, "--output", output.string(), "--jobs", "2"};
   line.insert(line.end(), more.begin(), more.end());
   return run_program(line);
@@ -31,8 +32,10 @@ testing::ProgramResult validate(const std::string& command, const std::string& s
 
 /// A command on stored results, with a baseline folder of the test's own.
 testing::ProgramResult judged(const std::string& command, const std::filesystem::path& output,
-                              const std::filesystem::path& baseline, const std::vector<std::string>& more = {}) {
-  std::vector<std::string> line{"talus-validate", "--baseline", baseline.string(), command, "--output", output.string()};
+                              const std::filesystem::path& baseline,
+                              const std::vector<std::string>& more = {}) {
+  std::vector<std::string> line{"talus-validate", "--baseline", baseline.string(),
+                                command,          "--output",   output.string()};
   line.insert(line.end(), more.begin(), more.end());
   return run_program(line);
 }
@@ -76,8 +79,8 @@ class WholeChain : public ::testing::Test {
 
 TEST_F(WholeChain, ShowsProgressAndTheTable) {
   EXPECT_THAT(result_.output,
-              AllOf(HasSubstr("8 of 8 runs to make"), HasSubstr("yade seed 1 finished"), HasSubstr("centre_of_mass"),
-                    HasSubstr("truth verdict: "), HasSubstr("drift verdict: ")));
+              AllOf(HasSubstr("8 of 8 runs to make"), HasSubstr("yade seed 1 finished"),
+                    HasSubstr("centre_of_mass"), HasSubstr("truth verdict: "), HasSubstr("drift verdict: ")));
 }
 
 TEST_F(WholeChain, ResultsHoldEveryRunWithItsProvenance) {
@@ -131,7 +134,8 @@ TEST_F(WholeChain, TheRefinementIsWhatItSays) {
   EXPECT_NEAR(coarse["thickness_m"].get<double>() / standard["thickness_m"].get<double>(), 2.0, 1e-9);
   EXPECT_LT(short_steps["time_step_s"].get<double>(), 0.55 * standard["time_step_s"].get<double>());
   const auto& numerical = results()["points"][0]["truth"][0]["u_numerical"];
-  for (const char* part : {"seeds", "grid", "time_step", "combined"}) EXPECT_TRUE(numerical[part].is_number()) << part;
+  for (const char* part : {"seeds", "grid", "time_step", "combined"})
+    EXPECT_TRUE(numerical[part].is_number()) << part;
 }
 
 TEST_F(WholeChain, BothDiscreteCodesStartFromTheSamePackingAndAgree) {
@@ -174,7 +178,8 @@ TEST_F(WholeChain, UnchangedRunsAreNotMadeAgainAndForceMakesThem) {
   const auto again = validate("run", tiny_suite, output_, {"--no-report"});
   EXPECT_EQ(again.exit_code, 0) << again.output;
   EXPECT_THAT(again.output, HasSubstr("0 of 8 runs to make"));
-  const auto one = validate("run", tiny_suite, output_, {"--force", "--only", "tiny_column/tiny/continuum_coarse"});
+  const auto one =
+      validate("run", tiny_suite, output_, {"--force", "--only", "tiny_column/tiny/continuum_coarse"});
   EXPECT_THAT(one.output, HasSubstr("1 of 1 runs to make"));
   EXPECT_TRUE(std::filesystem::exists(output_ / "results.json"));
   EXPECT_EQ(validate("run", tiny_suite, output_, {"--only", "tiny_column/a"}).exit_code, 2);
@@ -183,7 +188,8 @@ TEST_F(WholeChain, UnchangedRunsAreNotMadeAgainAndForceMakesThem) {
 TEST_F(WholeChain, ListTellsCostAndWhatIsThere) {
   const TestFolder temporary;
   const auto file = temporary.path() / "list.json";
-  const auto listed = run_program({"talus-validate", "list", tiny_suite, "--output", output_.string(), "--json", file.string()});
+  const auto listed = run_program(
+      {"talus-validate", "list", tiny_suite, "--output", output_.string(), "--json", file.string()});
   EXPECT_EQ(listed.exit_code, 0) << listed.output;
   const auto list = json_of(file);
   ASSERT_EQ(list["runs"].size(), 8u);
@@ -193,20 +199,24 @@ TEST_F(WholeChain, ListTellsCostAndWhatIsThere) {
     EXPECT_GT(run["memory_mb"].get<double>(), 10.0);
     EXPECT_TRUE(std::filesystem::exists(output_ / run["folder"].get<std::string>() / "record.json"));
   }
-  run_program({"talus-validate", "list", tiny_suite, "--output", (temporary.path() / "none").string(), "--json", file.string()});
+  run_program({"talus-validate", "list", tiny_suite, "--output", (temporary.path() / "none").string(),
+               "--json", file.string()});
   EXPECT_EQ(json_of(file)["runs"][0]["state"], "missing");
 }
 
 TEST_F(WholeChain, ReportIsMadeAgainOfflineInAllFormats) {
   const std::string before = read_file(output_ / "report.html");
   std::filesystem::remove(output_ / "report.html");
-  auto result = run_program({"/usr/bin/env", "PATH=/nowhere", program, "report", "--output", output_.string()});
+  auto result =
+      run_program({"/usr/bin/env", "PATH=/nowhere", program, "report", "--output", output_.string()});
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_EQ(read_file(output_ / "report.html"), before);
-  result = run_program({"talus-validate", "report", "--output", output_.string(), "--pdf", "--junit", "--markdown"});
+  result = run_program(
+      {"talus-validate", "report", "--output", output_.string(), "--pdf", "--junit", "--markdown"});
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_THAT(read_file(output_ / "report.pdf"), ::testing::StartsWith("%PDF"));
-  EXPECT_THAT(read_file(output_ / "report.xml"), AllOf(HasSubstr("<testsuite"), HasSubstr("tiny_column/tiny")));
+  EXPECT_THAT(read_file(output_ / "report.xml"),
+              AllOf(HasSubstr("<testsuite"), HasSubstr("tiny_column/tiny")));
   EXPECT_THAT(read_file(output_ / "report.md"), HasSubstr("tiny_column/tiny"));
 }
 
@@ -228,8 +238,8 @@ TEST_F(WholeChain, TheDriftGateIsGreenOnWhatWasAcceptedAndRedOnWhatMoved) {
   EXPECT_EQ(gate(moved.path()), 1);
   EXPECT_THAT(judged("check", moved.path(), baseline.path(), {"--annotate"}).output,
               AllOf(HasSubstr("drift: tiny_column/tiny x95"), HasSubstr("::error")));
-  const auto compared = run_program({"talus-validate", "compare", output_.string(), moved.path().string(), "--json",
-                                     (moved.path() / "compare.json").string()});
+  const auto compared = run_program({"talus-validate", "compare", output_.string(), moved.path().string(),
+                                     "--json", (moved.path() / "compare.json").string()});
   EXPECT_EQ(compared.exit_code, 0) << compared.output;
   EXPECT_THAT(compared.output, HasSubstr("+20.00 %"));
   EXPECT_NEAR(json_of(moved.path() / "compare.json")["rows"][0]["change"].get<double>(), 0.2, 1e-9);

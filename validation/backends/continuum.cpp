@@ -68,8 +68,8 @@ void check_nothing_lost(const analysis::SnapshotSeries& series) {
 /// The far wall must not shape a deposit, nor its floor end under it.
 void check_clear_of_edges(const dem::Case& a_case, const analysis::SnapshotSeries& series) {
   const auto error = [&](double time, const char* key) {
-    return InputError(fmt::format("at t = {:.4g} s something reached the edge: raise geometry.{} in {}", time, key,
-                                  a_case.file.string()));
+    return InputError(fmt::format("at t = {:.4g} s something reached the edge: raise geometry.{} in {}", time,
+                                  key, a_case.file.string()));
   };
   for (const auto& snapshot : series) {
     if (const auto* column = std::get_if<dem::ColumnGeometry>(&a_case.geometry)) {
@@ -121,8 +121,8 @@ dem::PlannedRun continuum_run(const ContinuumRequest& request) {
   run.expected_cpu = expected_continuum_cpu(request.a_case, request.resolution);
   run.time_limit = request.time_limit;
   run.measurement = dem::measurement_of(request.a_case);
-  run.write_input = [text = continuum_scene(request.a_case, request.material, request.resolution, request.seed,
-                                            request.defects)](const auto& folder) {
+  run.write_input = [text = continuum_scene(request.a_case, request.material, request.resolution,
+                                            request.seed, request.defects)](const auto& folder) {
     write_file_atomically(folder / scene_name, text);
   };
   run.progress = frames_done;

@@ -8,7 +8,7 @@ namespace talus::validation {
 
 /// The code's names: the runs that are judged, and those that tell how far their figures hang on cells and time steps.
 inline constexpr const char* continuum_code = "continuum";
-inline constexpr const char* coarse_code = "continuum_coarse";        // cells twice as large
+inline constexpr const char* coarse_code = "continuum_coarse";            // cells twice as large
 inline constexpr const char* short_steps_code = "continuum_short_steps";  // half the time step
 
 struct ContinuumRequest {

@@ -23,7 +23,7 @@ struct ContinuumResolution {
 
 /// What can be wrong with a solver, on purpose: for the mutation check (mutants.h). What stands here is right.
 struct Defects {
-  double friction_factor = 1.0;  // on mu_1 and mu_2
+  double friction_factor = 1.0;     // on mu_1 and mu_2
   bool walls_have_friction = true;  // floors among them
   double gravity_factor = 1.0;
   std::string solver = {};  // value of [solver] broken; empty: none

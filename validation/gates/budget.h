@@ -9,8 +9,8 @@ namespace talus::validation {
 
 /// Standard uncertainties; what is not known is absent, not zero.
 struct Budget {
-  std::optional<double> seeds, codes, measuring, reference;            // reference: combined
-  std::optional<double> lattice_seeds, grid, time_step, numerical;     // numerical: combined
+  std::optional<double> seeds, codes, measuring, reference;         // reference: combined
+  std::optional<double> lattice_seeds, grid, time_step, numerical;  // numerical: combined
 
   /// k sqrt(u_ref^2 + u_num^2); absent when either is.
   std::optional<double> expanded(double k) const {

@@ -60,7 +60,8 @@ json accepted_point(const json& point) {
   for (const auto& observable : observables_of(point)) {
     values[observable] = accepted_value(point, observable);
     if (!std::isfinite(values[observable]["value"].get<double>()))
-      throw InputError(fmt::format("{}: {} is not finite; such results cannot be accepted", name, observable));
+      throw InputError(
+          fmt::format("{}: {} is not finite; such results cannot be accepted", name, observable));
   }
   return values;
 }
@@ -74,7 +75,8 @@ json changes(const json& before, const json& now) {
                            ? before[name][observable].at("value")
                            : json();
       if (old != value.at("value"))
-        list.push_back({{"name", name}, {"observable", observable}, {"old", old}, {"new", value.at("value")}});
+        list.push_back(
+            {{"name", name}, {"observable", observable}, {"old", old}, {"new", value.at("value")}});
     }
   }
   return list;
@@ -104,7 +106,8 @@ std::optional<json> read_baseline(const std::filesystem::path& folder, const std
   if (!std::filesystem::exists(file)) return std::nullopt;
   try {
     json baseline = json::parse(read_file(file));
-    if (baseline.at("schema") != schema || baseline.at("schema_version") != schema_version || baseline.at("suite") != suite)
+    if (baseline.at("schema") != schema || baseline.at("schema_version") != schema_version ||
+        baseline.at("suite") != suite)
       throw InputError(fmt::format("{}: not the baseline of {}", file.string(), suite));
     return baseline;
   } catch (const json::exception& error) {
@@ -126,7 +129,10 @@ DriftJudgement judge_drift(const json& point, const json& baseline) {
   for (const auto& name : names) {
     const auto values = values_of(point.at("runs"), continuum_code, name);
     const double now = values.empty() ? std::nan("") : analysis::ensemble_statistics(values).mean;
-    json row{{"observable", name}, {"now", finite_or_null(now)}, {"baseline", nullptr}, {"change", nullptr},
+    json row{{"observable", name},
+             {"now", finite_or_null(now)},
+             {"baseline", nullptr},
+             {"change", nullptr},
              {"tolerance", nullptr}};
     Verdict verdict = Verdict::inconclusive;
     std::string why = "not in the baseline";
@@ -134,11 +140,13 @@ DriftJudgement judge_drift(const json& point, const json& baseline) {
       const auto& old = (*accepted)[name];
       const double change = relative_change(now, old.at("value"));
       verdict = fit ? verdict_of_change(change, old.at("tolerance")) : Verdict::inconclusive;
-      why = !fit                           ? "a run has unconverged solves"
-            : verdict == Verdict::pass     ? "within the tolerance"
-            : verdict == Verdict::fail     ? "moved by more than the tolerance"
-                                           : "a value is missing or not finite";
-      row.update({{"baseline", old.at("value")}, {"change", finite_or_null(change)}, {"tolerance", old.at("tolerance")}});
+      why = !fit                       ? "a run has unconverged solves"
+            : verdict == Verdict::pass ? "within the tolerance"
+            : verdict == Verdict::fail ? "moved by more than the tolerance"
+                                       : "a value is missing or not finite";
+      row.update({{"baseline", old.at("value")},
+                  {"change", finite_or_null(change)},
+                  {"tolerance", old.at("tolerance")}});
     }
     row["verdict"] = verdict_text(verdict);
     row["why"] = why;
@@ -159,7 +167,8 @@ void judge_drift_of_suite(json& results, const std::filesystem::path& folder) {
     point["drift_verdict"] = verdict_text(Verdict::inconclusive);
   }
   if (!baseline) {
-    drift["why"] = "no results of this suite were accepted yet: 'talus-validate accept' makes them the baseline";
+    drift["why"] =
+        "no results of this suite were accepted yet: 'talus-validate accept' makes them the baseline";
     return;
   }
   drift["baseline"] = baseline->at("accepted");
@@ -177,7 +186,7 @@ void judge_drift_of_suite(json& results, const std::filesystem::path& folder) {
                                            [&](const auto& item) { return !judged.contains(item.key()); });
   if (judged.empty() || lacking) verdict = worse(verdict, Verdict::inconclusive);
   drift["verdict"] = verdict_text(verdict);
-  drift["why"] = lacking ? "the baseline holds points that were not run"
+  drift["why"] = lacking                    ? "the baseline holds points that were not run"
                  : verdict == Verdict::pass ? "nothing moved"
                  : verdict == Verdict::fail ? "something moved by more than its tolerance"
                                             : "something could not be judged";
@@ -191,7 +200,8 @@ json accept(const json& results, const std::string& reason, const std::filesyste
   json points = old ? old->at("points") : json::object();
   const json before = points;
   for (const auto& point : results.at("points")) {
-    if (!runs_of(point.at("runs"), continuum_code).empty()) points[point.at("name").get<std::string>()] = accepted_point(point);
+    if (!runs_of(point.at("runs"), continuum_code).empty())
+      points[point.at("name").get<std::string>()] = accepted_point(point);
   }
   if (points.empty()) throw InputError("there is no continuum run to accept");
   const auto& made = results.at("provenance");
@@ -206,7 +216,10 @@ json accept(const json& results, const std::string& reason, const std::filesyste
   make_writable_folder(folder);
   const auto log = history_file(folder);
   const std::string history = std::filesystem::exists(log) ? read_file(log) : std::string();
-  const json baseline{{"schema", schema}, {"schema_version", schema_version}, {"suite", suite}, {"accepted", accepted},
+  const json baseline{{"schema", schema},
+                      {"schema_version", schema_version},
+                      {"suite", suite},
+                      {"accepted", accepted},
                       {"points", points}};
   write_file_atomically(log, history + entry.dump() + "\n");
   write_file_atomically(baseline_file(folder, suite), baseline.dump(1) + "\n");
@@ -226,7 +239,8 @@ json read_history(const std::filesystem::path& folder, const std::string& suite)
       json entry = json::parse(line);
       if (entry.at("suite") == suite) history.push_back(std::move(entry));
     } catch (const json::exception& error) {
-      throw InputError(fmt::format("{}:{}: damaged: {}; take it from git again", file.string(), number, error.what()));
+      throw InputError(
+          fmt::format("{}:{}: damaged: {}; take it from git again", file.string(), number, error.what()));
     }
   }
   return history;

@@ -45,7 +45,8 @@ void judge_drift_of_suite(nlohmann::json& results, const std::filesystem::path& 
 /// Makes these results the baseline of their suite and adds {when, who, why, git_hash, suite, changes} to the history. Points that
 /// the results do not hold keep their old baseline. Returns the entry. Throws InputError for an empty reason, incomplete results, runs that did not
 /// converge, or values that are not finite.
-nlohmann::json accept(const nlohmann::json& results, const std::string& reason, const std::filesystem::path& folder);
+nlohmann::json accept(const nlohmann::json& results, const std::string& reason,
+                      const std::filesystem::path& folder);
 
 /// All acceptances of a suite, oldest first. Throws InputError for a damaged history.
 nlohmann::json read_history(const std::filesystem::path& folder, const std::string& suite);

@@ -72,6 +72,9 @@ Comparison compare_values(const json& runs, const json& band) {
       .short_steps = single_value(runs, short_steps_code, observable),
   });
   const double value = reference.value;
+  const auto part = [](const std::optional<analysis::NumericalPart>& p) {
+    return p ? std::optional(p->standard) : std::nullopt;
+  };
   const auto relative = [&](const std::optional<double>& u) {
     return u ? std::optional(*u / std::abs(value)) : std::nullopt;
   };
@@ -81,10 +84,11 @@ Comparison compare_values(const json& runs, const json& band) {
            .codes = relative(reference.code_standard),
            .measuring = relative(reference.measurement_standard),
            .reference = relative(reference.combined),
-           .lattice_seeds = relative(numerical.seeds),
-           .grid = relative(numerical.grid),
-           .time_step = relative(numerical.time_step),
-           .numerical = relative(numerical.combined)}};
+           .lattice_seeds = relative(numerical.seed_standard),
+           .grid = relative(part(numerical.grid)),
+           .time_step = relative(part(numerical.time_step)),
+           // A budget that lacks a part is none.
+           .numerical = numerical.missing.empty() ? relative(numerical.combined) : std::nullopt}};
 }
 
 std::vector<Profile> profiles_of(const json& runs, const std::string& code) {
@@ -116,7 +120,8 @@ std::optional<double> hypotenuse(std::initializer_list<std::optional<double>> pa
 }
 
 /// The distance as the half-width of a rectangular distribution (GUM 4.3.7).
-std::optional<double> rectangular(const std::vector<Profile>& a, const std::vector<Profile>& b, double share) {
+std::optional<double> rectangular(const std::vector<Profile>& a, const std::vector<Profile>& b,
+                                  double share) {
   if (a.empty() || b.empty()) return std::nullopt;
   return share * area_between(mean_profile(a), mean_profile(b)) / std::numbers::sqrt3;
 }
@@ -132,8 +137,8 @@ Comparison compare_profiles(const json& runs) {
   const Profile reference = mean_profile(codes);
   const double whole = area(reference);
   const auto relative = [&](std::optional<double> u) { return u ? std::optional(*u / whole) : std::nullopt; };
-  const std::vector<Profile> first{model.front()};
-  Comparison c{.reference = 0.0, .deviation = area_between(mean_profile(model), reference) / whole, .budget = {}};
+  Comparison c{
+      .reference = 0.0, .deviation = area_between(mean_profile(model), reference) / whole, .budget = {}};
   Budget& b = c.budget;
   // Of the mean of the codes' means; a code of one run has no scatter of its own.
   const auto scatter_l = scatter(liggghts), scatter_y = scatter(yade);
@@ -146,8 +151,9 @@ Comparison compare_profiles(const json& runs) {
   b.measuring = 0.0;
   b.reference = b.seeds ? std::optional(std::hypot(*b.seeds, b.codes.value_or(0.0))) : std::nullopt;
   b.lattice_seeds = relative(scatter(model));
-  b.grid = relative(rectangular(first, profiles_of(runs, coarse_code), 1.0));
-  b.time_step = relative(rectangular(first, profiles_of(runs, short_steps_code), 1.0));
+  // As numerical_uncertainty.h has it for r = 2: cells against the mean, steps against the run of their own seed, twice.
+  b.grid = relative(rectangular(model, profiles_of(runs, coarse_code), 1.0));
+  b.time_step = relative(rectangular({model.front()}, profiles_of(runs, short_steps_code), 2.0));
   b.numerical = hypotenuse({b.lattice_seeds, b.grid, b.time_step});
   return c;
 }
@@ -163,7 +169,8 @@ Judged judge(const Comparison& c, double band) {
   if (!c.budget.reference)
     return {Verdict::inconclusive, "no code has two reference runs, so the reference's spread is not known"};
   if (!c.budget.numerical)
-    return {Verdict::inconclusive, "the continuum's own uncertainty is not known: it lacks a second seed or the refinement"};
+    return {Verdict::inconclusive,
+            "the continuum's own uncertainty is not known: it lacks a second seed or the refinement"};
   const double uncertainty = *c.budget.expanded(coverage_factor);
   if (!std::isfinite(uncertainty)) return {Verdict::inconclusive, "an uncertainty is not finite"};
   if (deviation > band + uncertainty) return {Verdict::fail, "outside the band by more than the uncertainty"};
@@ -202,17 +209,17 @@ TruthJudgement judge_truth(const json& point) {
                                : Judged{Verdict::inconclusive, "a value is missing or not finite"};
     if (!reason.empty()) judged = {Verdict::inconclusive, reason};
     const std::string observable = band.at("observable");
-    json row{{"observable", observable},
-             {"unit", band.at("unit")},
-             {"reference", comparison ? finite_or_null(comparison->reference) : json()},
-             {"deviation", comparison ? finite_or_null(comparison->deviation) : json()},
-             {"band", band.at("band")},
-             {"band_why", band.at("why")},
-             {"coverage_factor", coverage_factor},
-             {"uncertainty",
-              or_null(comparison ? comparison->budget.expanded(coverage_factor) : std::nullopt)},
-             {"verdict", verdict_text(judged.verdict)},
-             {"why", judged.why}};
+    json row{
+        {"observable", observable},
+        {"unit", band.at("unit")},
+        {"reference", comparison ? finite_or_null(comparison->reference) : json()},
+        {"deviation", comparison ? finite_or_null(comparison->deviation) : json()},
+        {"band", band.at("band")},
+        {"band_why", band.at("why")},
+        {"coverage_factor", coverage_factor},
+        {"uncertainty", or_null(comparison ? comparison->budget.expanded(coverage_factor) : std::nullopt)},
+        {"verdict", verdict_text(judged.verdict)},
+        {"why", judged.why}};
     row.update(budget_json(comparison ? comparison->budget : Budget{}));
     for (const char* code : {continuum_code, "liggghts", "yade"})
       row[code] = observable == "profile_L1" ? json() : statistics_json(values_of(runs, code, observable));

@@ -64,8 +64,8 @@ std::vector<dem::Case> read_points(const CheckedTable& table, const std::filesys
     if (found == all.end()) {
       std::vector<std::string> names;
       for (const auto& point : all) names.push_back(point.point);
-      throw table.error("points", fmt::format("names no point of {}; it has: {}", file.string(),
-                                              fmt::join(names, ", ")));
+      throw table.error(
+          "points", fmt::format("names no point of {}; it has: {}", file.string(), fmt::join(names, ", ")));
     }
     wanted.push_back(*found);
   }
@@ -142,7 +142,8 @@ void check_points(const CheckedTable& root, const Suite& suite) {
   std::set<std::string> names;
   for (const auto& point : suite.points) {
     if (!names.insert(point.name()).second)
-      throw root.error("case", fmt::format("gives the point '{}' twice; names tell results apart", point.name()));
+      throw root.error("case",
+                       fmt::format("gives the point '{}' twice; names tell results apart", point.name()));
   }
   for (const auto& point : suite.points) {
     for (const auto& required : point.required) {

@@ -21,14 +21,20 @@ dem::MaterialConstants material() {
   dem::MaterialConstants m{};
   m.friction_angle = 0.5;
   m.max_volume_fraction = 0.57;
-  m.friction_law = dem::FrictionLaw{.mu_1 = 0.4, .mu_1_uncertainty = 0.01, .mu_2 = 0.7, .mu_2_uncertainty = 0.01, .I_0 = 0.2, .I_0_uncertainty = 0.01};
+  m.friction_law = dem::FrictionLaw{.mu_1 = 0.4,
+                                    .mu_1_uncertainty = 0.01,
+                                    .mu_2 = 0.7,
+                                    .mu_2_uncertainty = 0.01,
+                                    .I_0 = 0.2,
+                                    .I_0_uncertainty = 0.01};
   return m;
 }
 
 Scene scene_of(const dem::Case& a_case, int cells, const dem::MaterialConstants& constants = material(),
                const Defects& defects = {}) {
   const testing::TestFolder folder;
-  write_file_atomically(folder.path() / "scene.toml", continuum_scene(a_case, constants, {cells, 2, 0.5}, 7, defects));
+  write_file_atomically(folder.path() / "scene.toml",
+                        continuum_scene(a_case, constants, {cells, 2, 0.5}, 7, defects));
   return read_scene(folder.path() / "scene.toml");
 }
 
@@ -49,7 +55,8 @@ TEST(ContinuumScene, EveryCaseThatItCanRunHoldsItsFillAndItsPhysics) {
       const double thickness = dem::periodic_thickness(a_case.geometry);
       const double share = thickness > 0.0 ? scene.grid.spacing / thickness : 1.0;
       // Nominal volumes of hourglasses are of their tubes and cones; curved ones are met to what a lattice can.
-      EXPECT_NEAR(sand_volume(scene) / (share * dem::fill_volume(a_case.geometry)), 1.0, thickness > 0.0 ? 0.02 : 0.05)
+      EXPECT_NEAR(sand_volume(scene) / (share * dem::fill_volume(a_case.geometry)), 1.0,
+                  thickness > 0.0 ? 0.02 : 0.05)
           << a_case.name << "/" << a_case.point;
       EXPECT_NEAR(scene.gravity.z(), -9.81, 1e-12);
       EXPECT_EQ(scene.grid.periodic[1], thickness > 0.0);
@@ -90,7 +97,9 @@ TEST(ContinuumScene, AHourglassHasItsThroatAndTheFrictionOfItsGlass) {
 TEST(ContinuumScene, ASlotIsOpenWhereItsEdgesSayAndRoughElsewhere) {
   const auto a_case = dem::read_case(cases / "hourglass/case.toml");
   const Scene scene = scene_of(a_case, 12);
-  const auto distance = [&](double x, double z) { return nearest_wall(scene.walls, 0.0, {x, 0.0, z}).distance; };
+  const auto distance = [&](double x, double z) {
+    return nearest_wall(scene.walls, 0.0, {x, 0.0, z}).distance;
+  };
   EXPECT_GT(distance(0.045, -0.001), 0.0);
   EXPECT_GT(distance(0.0335, -0.0005), 0.0);
   EXPECT_LT(distance(0.0325, -0.0005), 0.0);
@@ -107,17 +116,22 @@ TEST(ContinuumScene, DefectsAreWhatTheySay) {
   EXPECT_NEAR(soft.walls[0].friction, a_case.contact.wall_friction, 1e-12);
   const Scene smooth = scene_of(a_case, 8, material(), {.walls_have_friction = false});
   EXPECT_EQ(smooth.walls[0].friction, 0.0);
-  const Scene column = scene_of(dem::read_case(cases / "column_collapse/case.toml"), 20, material(), {.walls_have_friction = false});
+  const Scene column = scene_of(dem::read_case(cases / "column_collapse/case.toml"), 20, material(),
+                                {.walls_have_friction = false});
   EXPECT_EQ(column.sides[2][0].friction, 0.0);
 }
 
 TEST(ContinuumScene, WhatItCannotRunIsRefused) {
   const auto heap = dem::read_case(cases / "pile_angle/heap.toml");
-  EXPECT_THAT(testing::input_error([&] { continuum_scene(heap, material(), {8, 2, 0.5}, 1); }),
+  EXPECT_THAT(testing::input_error([&] {
+                continuum_scene(heap, material(), {8, 2, 0.5}, 1);
+              }),
               HasSubstr("cannot lift a tube"));
   auto column = dem::read_case(cases / "column_collapse/case.toml");
   dem::column_geometry(column).rough_floor = false;
-  EXPECT_THAT(testing::input_error([&] { continuum_scene(column, material(), {20, 2, 0.5}, 1); }),
+  EXPECT_THAT(testing::input_error([&] {
+                continuum_scene(column, material(), {20, 2, 0.5}, 1);
+              }),
               HasSubstr("rough floor only"));
 }
 

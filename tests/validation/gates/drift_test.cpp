@@ -23,9 +23,11 @@ json run(const std::string& code, int seed, double x95) {
 
 /// Two lattice seeds 2 % apart: their mean is uncertain by 1 %.
 json results(double x95) {
-  json point{{"name", "column/a_1"},
-             {"runs", {run("continuum", 1, 0.99 * x95), run("continuum", 2, 1.01 * x95), run("liggghts", 1, 5.0)}}};
-  return {{"suite", "small"}, {"points", {point}}, {"provenance", {{"git_hash", "abc"}, {"git_dirty", false}}}};
+  json point{
+      {"name", "column/a_1"},
+      {"runs", {run("continuum", 1, 0.99 * x95), run("continuum", 2, 1.01 * x95), run("liggghts", 1, 5.0)}}};
+  return {
+      {"suite", "small"}, {"points", {point}}, {"provenance", {{"git_hash", "abc"}, {"git_dirty", false}}}};
 }
 
 struct Accepted {
@@ -116,9 +118,11 @@ TEST(Baseline, ADamagedFileIsAnErrorThatNamesIt) {
   const Accepted baseline;
   const auto& folder = baseline.folder.path();
   std::ofstream(folder / "small.json") << "{";
-  EXPECT_THAT(testing::input_error([&] { read_baseline(folder, "small"); }), HasSubstr("small.json: damaged"));
+  EXPECT_THAT(testing::input_error([&] { read_baseline(folder, "small"); }),
+              HasSubstr("small.json: damaged"));
   std::ofstream(folder / "history.jsonl", std::ios::app) << "{\n";
-  EXPECT_THAT(testing::input_error([&] { read_history(folder, "small"); }), HasSubstr("history.jsonl:2: damaged"));
+  EXPECT_THAT(testing::input_error([&] { read_history(folder, "small"); }),
+              HasSubstr("history.jsonl:2: damaged"));
 }
 
 }  // namespace

@@ -37,17 +37,24 @@ struct Point {
     return {{"name", "column/a_1"},
             {"runs", runs},
             {"bands",
-             {{{"observable", "x95"}, {"unit", "L0"}, {"band", band}, {"why", "test"}, {"measuring", measuring}}}}};
+             {{{"observable", "x95"},
+               {"unit", "L0"},
+               {"band", band},
+               {"why", "test"},
+               {"measuring", measuring}}}}};
   }
 };
 
 TEST(TruthGate, PassesInsideTheBandOnly) {
-  for (const double inside : {0.96, 1.0, 1.04}) EXPECT_EQ(judge_truth(Point{.continuum = inside}()).verdict, Verdict::pass) << inside;
-  for (const double outside : {0.93, 1.07}) EXPECT_EQ(judge_truth(Point{.continuum = outside}()).verdict, Verdict::fail) << outside;
+  for (const double inside : {0.96, 1.0, 1.04})
+    EXPECT_EQ(judge_truth(Point{.continuum = inside}()).verdict, Verdict::pass) << inside;
+  for (const double outside : {0.93, 1.07})
+    EXPECT_EQ(judge_truth(Point{.continuum = outside}()).verdict, Verdict::fail) << outside;
 }
 
 TEST(TruthGate, ReportsTheFiguresItJudgedBy) {
-  const json row = judge_truth(Point{.continuum = 1.1, .liggghts = 0.9, .yade = 1.1, .measuring = 0.03}()).rows.at(0);
+  const json row =
+      judge_truth(Point{.continuum = 1.1, .liggghts = 0.9, .yade = 1.1, .measuring = 0.03}()).rows.at(0);
   EXPECT_NEAR(row["deviation"].get<double>(), 0.1, 1e-12);
   EXPECT_NEAR(row["reference"].get<double>(), 1.0, 1e-12);
   EXPECT_NEAR(row["liggghts"]["mean"].get<double>(), 0.9, 1e-12);
@@ -102,7 +109,9 @@ json without(json point, const std::function<bool(const json&)>& gone) {
 TEST(TruthGate, NeverPassesWhatIsNotKnown) {
   const json whole = Point{}();
   ASSERT_EQ(judge_truth(whole).verdict, Verdict::pass);
-  const auto code_is = [](const std::string& code) { return [code](const json& run) { return run["code"] == code; }; };
+  const auto code_is = [](const std::string& code) {
+    return [code](const json& run) { return run["code"] == code; };
+  };
   for (const std::string code : {"continuum", "continuum_coarse", "continuum_short_steps"}) {
     EXPECT_EQ(judge_truth(without(whole, code_is(code))).verdict, Verdict::inconclusive) << code;
   }
@@ -138,7 +147,8 @@ TEST(TruthGate, NeverPassesWhatIsNotFiniteMovingOrUnconverged) {
 
 TEST(TruthGate, ComparesWholeProfilesByTheAreaBetweenThem) {
   json point = Point{}();
-  point["bands"] = {{{"observable", "profile_L1"}, {"unit", "1"}, {"band", 0.12}, {"why", "test"}, {"measuring", 0.0}}};
+  point["bands"] = {
+      {{"observable", "profile_L1"}, {"unit", "1"}, {"band", 0.12}, {"why", "test"}, {"measuring", 0.0}}};
   const auto set = [&](const std::string& code, double height) {
     for (auto& run : point["runs"]) {
       const double own = height + (run["seed"] == 1 ? -0.001 : 0.001);
@@ -165,8 +175,10 @@ TEST(TruthGate, TheWorstObservableDecides) {
   EXPECT_EQ(worse(Verdict::pass, Verdict::pass), Verdict::pass);
   json point = Point{}();
   for (auto& run : point["runs"]) run["observables"]["x90"] = run["code"] == "continuum" ? 2.0 : 1.0;
-  point["bands"].push_back({{"observable", "x90"}, {"unit", "L0"}, {"band", 0.05}, {"why", "test"}, {"measuring", 0.0}});
-  EXPECT_EQ(judge_truth(point).verdict, Verdict::inconclusive);  // the refinement of x90 lies far off its runs
+  point["bands"].push_back(
+      {{"observable", "x90"}, {"unit", "L0"}, {"band", 0.05}, {"why", "test"}, {"measuring", 0.0}});
+  EXPECT_EQ(judge_truth(point).verdict,
+            Verdict::inconclusive);  // the refinement of x90 lies far off its runs
   for (auto& run : point["runs"]) {
     if (run["code"].get<std::string>().starts_with("continuum")) run["observables"]["x90"] = 2.0;
     if (run["code"] == "liggghts" && run["seed"] == 2) run["observables"]["x90"] = 1.001;
