@@ -27,10 +27,10 @@ struct PictureOptions {
   std::optional<double> packing;
   double field_spacing = 0.0;  // m, of the grid of the fields
   int moments = 12;            // evenly in time, the first and the last included
-  std::size_t items =
-      800;  // of each moment, about; the same ones as long as the run's number of items does not change
-  std::vector<double> field_times{0.125, 0.25,
-                                  0.5};  // over the run's length: the nearest snapshots are taken
+  /// Of each moment, about; the same ones as long as the run's number of items does not change.
+  std::size_t items = 800;
+  /// Over the run's length; the nearest snapshots are taken. What moves does so early.
+  std::vector<double> field_times{0.1, 0.2, 0.35};
 };
 
 /// {name, code, seed,

@@ -143,7 +143,7 @@ TEST(Pictures, FieldsConserveVolumeAndCarryTheSpeed) {
     EXPECT_NEAR(*std::max_element(speed.begin(), speed.end()), 0.1, 1e-9);
   }
   EXPECT_DOUBLE_EQ(fields["moments"][0]["time"], 0.01);
-  EXPECT_DOUBLE_EQ(fields["moments"][2]["time"], 0.04);
+  EXPECT_DOUBLE_EQ(fields["moments"][2]["time"], 0.03);
 }
 
 TEST(Pictures, StartPositionsFollowItemsThatSplitMergeAndLeave) {
