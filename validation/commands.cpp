@@ -8,6 +8,7 @@
 #include "dem_cases/reference/folder_lock.h"
 #include "validation/deposits.h"
 #include "validation/mutation.h"
+#include "validation/report/other_formats.h"
 #include "validation/report/report.h"
 #include "validation/summary.h"
 
@@ -129,7 +130,7 @@ int check(const Arguments& arguments) {
     truth = worse(truth, Verdict::inconclusive);
     drift = worse(drift, Verdict::inconclusive);
   }
-  if (arguments.annotate) fmt::print("{}", std::string());
+  if (arguments.annotate) fmt::print("{}", annotations(results));
   write_json(arguments.json, {{"suite", results.at("suite")},
                               {"truth", verdict_text(truth)},
                               {"drift", verdict_text(drift)},
@@ -150,13 +151,10 @@ int report(const Arguments& arguments) {
     spdlog::info("report: {}", (output / name).string());
     files.push_back((output / name).string());
   };
-#if 0
   also(arguments.pdf, "report.pdf", [&](const auto& file) { write_pdf(output / report_name, file); });
   also(arguments.junit, "report.xml", [&](const auto& file) { write_junit(results, file); });
   also(arguments.markdown, "report.md",
        [&](const auto& file) { write_file_atomically(file, markdown_summary(results)); });
-#endif
-  (void)also;
   write_json(arguments.json, {{"files", files}});
   return exit_pass;
 }

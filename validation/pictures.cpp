@@ -74,6 +74,9 @@ bool is_drawn(Eigen::Index item, double share) {
   return std::floor(static_cast<double>(item + 1) * share) > std::floor(static_cast<double>(item) * share);
 }
 
+/// Discs that only share out the area leave gaps wherever the items are not in a lattice.
+constexpr double disc_overlap = 1.5;
+
 /// The numbers of one moment that are drawn.
 struct Moment {
   double time = 0.0;
@@ -91,9 +94,10 @@ Moment moment_of(const Snapshot& snapshot, const Eigen::VectorXd& start_x, const
     if (!is_drawn(i, share)) continue;
     // Those that are drawn also cover the area of those that are not.
     const double volume = snapshot.volumes[i];
-    moment.radius.push_back(options.packing ? std::sqrt(volume / (*options.packing * thickness_of(options) *
-                                                                  std::numbers::pi * share))
-                                            : std::cbrt(0.75 * volume / std::numbers::pi));
+    moment.radius.push_back(
+        options.packing ? std::sqrt(disc_overlap * volume /
+                                    (*options.packing * thickness_of(options) * std::numbers::pi * share))
+                        : std::cbrt(0.75 * volume / std::numbers::pi));
     moment.x.push_back(snapshot.positions(0, i));
     moment.z.push_back(snapshot.positions(2, i));
     moment.start_x.push_back(start_x[i]);

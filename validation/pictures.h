@@ -23,14 +23,14 @@ struct PictureOptions {
   double thickness = 0.0;                  // m, of the slab along y; not used with a slice
   std::optional<double> slice_half_width;  // m: show only what has |y| below it, as in a 3-D heap
   /// Of particles, how much of their bulk volume is solid: each is then drawn as a disc with its share of the area seen from
-  /// the side. Without it the items are grains, drawn as the spheres that they are.
+  /// the side, and half as much again. Without it the items are grains, drawn as the spheres that they are.
   std::optional<double> packing;
   double field_spacing = 0.0;  // m, of the grid of the fields
   int moments = 12;            // evenly in time, the first and the last included
-  std::size_t items =
-      800;  // of each moment, about; the same ones as long as the run's number of items does not change
-  std::vector<double> field_times{0.125, 0.25,
-                                  0.5};  // over the run's length: the nearest snapshots are taken
+  /// Of each moment, about; the same ones as long as the run's number of items does not change.
+  std::size_t items = 800;
+  /// Over the run's length; the nearest snapshots are taken. What moves does so early.
+  std::vector<double> field_times{0.1, 0.2, 0.35};
 };
 
 /// {name, code, seed,

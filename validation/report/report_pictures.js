@@ -4,7 +4,7 @@
 
 // Viridis, in bands: rising lightness, so that it reads without colour as well.
 const BANDS = ["#440154", "#46327e", "#365c8d", "#277f8e", "#1fa187", "#4ac16d", "#a0da39", "#fde725"];
-const shadeOf = (share) => BANDS[Math.min(BANDS.length - 1, Math.max(0, Math.floor(BANDS.length * share)))];
+const shadeOf = (share) => BANDS[Math.min(BANDS.length - 1, Math.max(0, Math.floor(BANDS.length * share) || 0))];
 
 const bytes = (text) => Uint8Array.from(atob(text ?? ""), (c) => c.charCodeAt(0));
 
@@ -109,16 +109,30 @@ function stage(canvas, extent, unit) {
   return {pen, across, up, scale, axes};
 }
 
+/** Draws by way of a bitmap: Chromium prints what it is told to draw, and thousands of discs would make a PDF a megabyte larger a point. */
+function throughBitmap(canvas, pen, draw) {
+  const bitmap = make("canvas", {width: canvas.width, height: canvas.height});
+  const brush = bitmap.getContext("2d");
+  brush.setTransform(pen.getTransform());
+  draw(brush);
+  pen.save();
+  pen.resetTransform();
+  pen.drawImage(bitmap, 0, 0);
+  pen.restore();
+}
+
 function drawItems(canvas, moment, extent, unit, share) {
   const {pen, across, up, scale, axes} = stage(canvas, extent, unit);
-  pen.lineWidth = 0.4;
-  pen.strokeStyle = colour("page");
-  moment.x.forEach((x, k) => {
-    pen.fillStyle = shadeOf(share(moment, k));
-    pen.beginPath();
-    pen.arc(across(x), up(moment.z[k]), Math.max(0.6, moment.radius[k] * scale), 0, 2 * Math.PI);
-    pen.fill();
-    pen.stroke();
+  throughBitmap(canvas, pen, (brush) => {
+    brush.lineWidth = 0.4;
+    brush.strokeStyle = colour("page");
+    moment.x.forEach((x, k) => {
+      brush.fillStyle = shadeOf(share(moment, k));
+      brush.beginPath();
+      brush.arc(across(x), up(moment.z[k]), Math.max(0.6, moment.radius[k] * scale), 0, 2 * Math.PI);
+      brush.fill();
+      brush.stroke();
+    });
   });
   axes();
 }
@@ -216,14 +230,15 @@ function drawAnimation(parent, point, pictures) {
 function drawField(canvas, values, field, largest, extent, unit) {
   const {pen, across, up, axes} = stage(canvas, extent, unit);
   const {origin, spacing, cells: [wide, high]} = field;
-  for (let j = 0; j < high; ++j) {
-    for (let i = 0; i < wide; ++i) {
-      if (!values.filled[i + wide * j]) continue;
+  throughBitmap(canvas, pen, (brush) => {
+    for (let cell = 0; cell < wide * high; ++cell) {
+      if (!values.filled[cell]) continue;
+      const i = cell % wide, j = Math.floor(cell / wide);
       const x = across(origin[0] + i * spacing), z = up(origin[1] + (j + 1) * spacing);
-      pen.fillStyle = shadeOf(values.of[i + wide * j] / (largest || 1));
-      pen.fillRect(x, z, across(origin[0] + (i + 1) * spacing) - x + 0.4, up(origin[1] + j * spacing) - z + 0.4);
+      brush.fillStyle = shadeOf(values.of[cell] / (largest || 1));
+      brush.fillRect(x, z, across(origin[0] + (i + 1) * spacing) - x + 0.4, up(origin[1] + j * spacing) - z + 0.4);
     }
-  }
+  });
   axes();
 }
 

@@ -76,6 +76,13 @@ function runTable(caption, runs, columns, kind = "runs") {
       [[swatch(run.code), `${codeOf(run.code).label}, seed\u00a0${words(run.seed)}`], ...columns.map(([, , value]) => words(value(run)))]), kind);
 }
 
+/** The other way round where there are many keys: one row for each key, one column for each run. */
+function keyTable(caption, runs, part) {
+  const titles = runs.map((run) => ({label: `${codeOf(run.code).label}, seed\u00a0${words(run.seed)}`, type: "number"}));
+  return table(caption, [{label: "Quantity"}, ...titles], keysOf(runs, part).map((key) =>
+      [labelOf(key), ...runs.map((run) => words(run[part]?.[key]))]), "runs");
+}
+
 function runTables(runs, lengthUnit) {
   const unitOf = (unit) => unit === "length" ? (unitText(lengthUnit?.symbol) || "m") : unit === "1" ? "" : unit;
   const from = (part) => keysOf(runs, part).map((key) => {
@@ -91,10 +98,10 @@ function runTables(runs, lengthUnit) {
     runTable("What each run measured", runs, [["status", "", (run) => run.status], ...from("observables")]),
     runTable("What each run took", runs, cost),
   ];
-  const own = runs.filter((run) => run.solver);
-  if (own.length) tables.push(runTable("What the solver says of itself", own, from("solver")));
-  const checked = runs.filter((run) => run.preflight);
-  if (checked.length) tables.push(runTable("Checks before the discrete runs", checked, from("preflight")));
+  for (const [part, caption] of [["solver", "What the solver says of itself"], ["preflight", "Checks before the discrete runs"]]) {
+    const told = runs.filter((run) => run[part]);
+    if (told.length) tables.push(keyTable(caption, told, part));
+  }
   return tables;
 }
 
