@@ -51,9 +51,9 @@ void write_page(const json& results, const Arguments& arguments) {
   spdlog::info("report: {}", file.string());
 }
 
-/// Results as they stand in the folder, judged again; what has become stale is inconclusive.
-json judged_results(const Arguments& arguments) {
-  json results = read_results(arguments.output);
+/// Results as they stand in the folder, judged again: what is written of verdicts does not count.
+json judged_results(const std::filesystem::path& folder, const Arguments& arguments) {
+  json results = read_results(folder);
   judge(results, arguments.baseline);
   return results;
 }
@@ -121,7 +121,7 @@ int run(const Arguments& arguments) {
 }
 
 int check(const Arguments& arguments) {
-  const json results = judged_results(arguments);
+  const json results = judged_results(arguments.output, arguments);
   fmt::print("{}", summary_text(results));
   const std::string stale = why_stale(results);
   Verdict truth = verdict_of(results.at("verdict")), drift = verdict_of(results.at("drift").at("verdict"));
@@ -141,7 +141,7 @@ int check(const Arguments& arguments) {
 }
 
 int report(const Arguments& arguments) {
-  const json results = judged_results(arguments);
+  const json results = judged_results(arguments.output, arguments);
   const auto& output = arguments.output;
   write_page(results, arguments);
   json files{(output / report_name).string()};
@@ -160,7 +160,8 @@ int report(const Arguments& arguments) {
 }
 
 int compare(const Arguments& arguments) {
-  const json comparison = comparison_of(read_results(arguments.output), read_results(arguments.other));
+  const json comparison =
+      comparison_of(judged_results(arguments.output, arguments), judged_results(arguments.other, arguments));
   fmt::print("{}", comparison_text(comparison));
   write_json(arguments.json, comparison);
   return exit_pass;

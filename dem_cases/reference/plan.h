@@ -19,7 +19,8 @@ nlohmann::json measurement_of(const Case& a_case);
 /// preflight.
 PlannedRun planned_run(const Case& a_case, const std::string& code, std::uint64_t seed);
 
-/// The runs of one parameter point of a gravity-driven case: its reference seeds through both codes. Throws InputError
+/// The runs of one parameter point of a gravity-driven case: its reference seeds through both codes. Unlike planned_run()'s, they fail when
+/// the deposit is not at rest at the end. Throws InputError
 /// when a code is not installed or the case fails its preflight.
 std::vector<PlannedRun> planned_runs(const Case& a_case);
 

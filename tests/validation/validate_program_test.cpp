@@ -132,8 +132,10 @@ TEST_F(WholeChain, TheRefinementIsWhatItSays) {
   const auto standard = run_of(results(), "continuum", 1), coarse = run_of(results(), "continuum_coarse", 1),
              short_steps = run_of(results(), "continuum_short_steps", 1);
   EXPECT_NEAR(coarse["thickness_m"].get<double>() / standard["thickness_m"].get<double>(), 2.0, 1e-9);
-  EXPECT_LT(short_steps["time_step_s"].get<double>(), 0.55 * standard["time_step_s"].get<double>());
-  const auto& numerical = results()["points"][0]["truth"][0]["u_numerical"];
+  EXPECT_LT(short_steps["time_step_s"].get<double>(),
+            0.7 * standard["time_step_s"].get<double>());  // steps fill frames
+
+  const auto numerical = results()["points"][0]["truth"][0]["u_numerical"];
   for (const char* part : {"seeds", "grid", "time_step", "combined"})
     EXPECT_TRUE(numerical[part].is_number()) << part;
 }
@@ -205,10 +207,11 @@ TEST_F(WholeChain, ListTellsCostAndWhatIsThere) {
 }
 
 TEST_F(WholeChain, ReportIsMadeAgainOfflineInAllFormats) {
+  auto result = run_program({"talus-validate", "report", "--output", output_.string()});
+  EXPECT_EQ(result.exit_code, 0) << result.output;
   const std::string before = read_file(output_ / "report.html");
   std::filesystem::remove(output_ / "report.html");
-  auto result =
-      run_program({"/usr/bin/env", "PATH=/nowhere", program, "report", "--output", output_.string()});
+  result = run_program({"/usr/bin/env", "PATH=/nowhere", program, "report", "--output", output_.string()});
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_EQ(read_file(output_ / "report.html"), before);
   result = run_program(
@@ -217,7 +220,7 @@ TEST_F(WholeChain, ReportIsMadeAgainOfflineInAllFormats) {
   EXPECT_THAT(read_file(output_ / "report.pdf"), ::testing::StartsWith("%PDF"));
   EXPECT_THAT(read_file(output_ / "report.xml"),
               AllOf(HasSubstr("<testsuite"), HasSubstr("tiny_column/tiny")));
-  EXPECT_THAT(read_file(output_ / "report.md"), HasSubstr("tiny_column/tiny"));
+  EXPECT_THAT(read_file(output_ / "report.md"), HasSubstr("tiny\\_column/tiny"));
 }
 
 TEST_F(WholeChain, TheDriftGateIsGreenOnWhatWasAcceptedAndRedOnWhatMoved) {
@@ -242,7 +245,10 @@ TEST_F(WholeChain, TheDriftGateIsGreenOnWhatWasAcceptedAndRedOnWhatMoved) {
                                      "--json", (moved.path() / "compare.json").string()});
   EXPECT_EQ(compared.exit_code, 0) << compared.output;
   EXPECT_THAT(compared.output, HasSubstr("+20.00 %"));
-  EXPECT_NEAR(json_of(moved.path() / "compare.json")["rows"][0]["change"].get<double>(), 0.2, 1e-9);
+  for (const auto& row : json_of(moved.path() / "compare.json")["rows"]) {
+    EXPECT_NEAR(row["change"].get<double>(), row["observable"] == "x95" ? 0.2 : 0.0, 1e-9)
+        << row["observable"];
+  }
 }
 
 TEST_F(WholeChain, CheckJudgesTheRunsNotTheWrittenVerdict) {

@@ -68,7 +68,7 @@ TEST(ContinuumScene, EveryCaseThatItCanRunHoldsItsFillAndItsPhysics) {
       EXPECT_NEAR(scene.materials[0].rate.grain_diameter, a_case.grains.diameter, 1e-12);
     }
   }
-  EXPECT_EQ(seen, 26);
+  EXPECT_EQ(seen, 28);
 }
 
 TEST(ContinuumScene, WithoutAFrictionLawMuIsTheSineOfTheCriticalAngle) {
