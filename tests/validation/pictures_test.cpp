@@ -44,7 +44,7 @@ SnapshotSeries moving_row(Eigen::Index count, int frames) {
     Snapshot snapshot{0.01 * k, analysis::Vectors::Zero(3, count), analysis::Vectors::Zero(3, count),
                       Eigen::VectorXd::Constant(count, 1e-9)};
     for (Eigen::Index i = 0; i < count; ++i) {
-      snapshot.positions.col(i) << 0.001 * (static_cast<double>(i) + 0.5) + 0.001 * k, 0.004, 0.0025;
+      snapshot.positions.col(i) << 0.001 * (static_cast<double>(i) + 0.5) + 0.001 * k, 0.009, 0.0025;
       snapshot.velocities(0, i) = 0.1;
     }
     series.push_back(snapshot);

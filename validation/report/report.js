@@ -40,7 +40,7 @@ function drawSummary(results) {
   part("history", "History of baselines", list(results.history).length, (section) => section.append(historyTable(results.history)));
 }
 
-const titled = (title) => make("h3", {}, title);
+const titled = (title) => make("h4", {}, title);
 
 function drawPoint(section, point) {
   const runs = list(point.runs);

@@ -109,7 +109,7 @@ function stage(canvas, extent, unit) {
   return {pen, across, up, scale, axes};
 }
 
-/** Draws by way of a bitmap: Chromium prints what it is told to draw, and thousands of discs would make a PDF a megabyte larger a point. */
+/** Draws by way of a bitmap: Chromium prints what it is told to draw, and a few thousand discs are half a megabyte of PDF. */
 function throughBitmap(canvas, pen, draw) {
   const bitmap = make("canvas", {width: canvas.width, height: canvas.height});
   const brush = bitmap.getContext("2d");
@@ -230,15 +230,13 @@ function drawAnimation(parent, point, pictures) {
 function drawField(canvas, values, field, largest, extent, unit) {
   const {pen, across, up, axes} = stage(canvas, extent, unit);
   const {origin, spacing, cells: [wide, high]} = field;
-  throughBitmap(canvas, pen, (brush) => {
-    for (let cell = 0; cell < wide * high; ++cell) {
-      if (!values.filled[cell]) continue;
-      const i = cell % wide, j = Math.floor(cell / wide);
-      const x = across(origin[0] + i * spacing), z = up(origin[1] + (j + 1) * spacing);
-      brush.fillStyle = shadeOf(values.of[cell] / (largest || 1));
-      brush.fillRect(x, z, across(origin[0] + (i + 1) * spacing) - x + 0.4, up(origin[1] + j * spacing) - z + 0.4);
-    }
-  });
+  for (let cell = 0; cell < wide * high; ++cell) {
+    if (!values.filled[cell]) continue;
+    const i = cell % wide, j = Math.floor(cell / wide);
+    const x = across(origin[0] + i * spacing), z = up(origin[1] + (j + 1) * spacing);
+    pen.fillStyle = shadeOf(values.of[cell] / (largest || 1));
+    pen.fillRect(x, z, across(origin[0] + (i + 1) * spacing) - x + 0.4, up(origin[1] + j * spacing) - z + 0.4);
+  }
   axes();
 }
 

@@ -15,7 +15,7 @@ function table(caption, columns, rows, kind = "") {
       make("th", {scope: "row", role: "rowheader"}, cell) :
       make("td", {role: "cell", "data-label": dataLabel(columns[k]), class: columns[k].type}, make("div", {class: "value"}, cell)))));
   return make("div", {class: "framed"}, make("p", {class: "caption"}, caption),
-      make("div", {class: "scroller", role: "region", tabindex: "0", "aria-label": caption},
+      make("div", {class: "scroller", role: "group", tabindex: "0", "aria-label": caption},
           make("table", {class: kind, role: "table", "aria-label": caption}, make("thead", {role: "rowgroup"}, make("tr", {role: "row"}, head)),
               make("tbody", {role: "rowgroup"}, body))));
 }

@@ -4,50 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <string>
 #include <vector>
 
-#include "validation/pictures.h"
+#include "tests/validation/report/sample_shapes.h"
 
 namespace talus::testing {
 namespace {
 
 using nlohmann::json;
-
-constexpr double column_length = 0.048;   // m
-constexpr double grain_diameter = 0.003;  // m
-constexpr double run_time = 0.7;          // s
-
-struct Shape {
-  const char* code;
-  int seed;
-  double runout;  // over L0
-  double height;  // over L0
-};
-constexpr Shape shapes[] = {
-    {"continuum", 1, 1.31, 0.70},
-    {"continuum", 2, 1.30, 0.705},
-    {"continuum_coarse", 1, 1.36, 0.69},
-    {"continuum_short_steps", 1, 1.308, 0.701},
-    {"liggghts", 1, 1.22, 0.72},
-    {"liggghts", 2, 1.27, 0.71},
-    {"liggghts", 3, 1.25, 0.715},
-    {"yade", 1, 1.18, 0.73},
-    {"yade", 2, 1.25, 0.725},
-    {"yade", 3, 1.22, 0.72},
-};
-
-bool is_continuum(const std::string& code) { return code.rfind("continuum", 0) == 0; }
-
-/// How much of the collapse is over.
-double done_at(double time) { return 1.0 - std::exp(-std::pow(time / 0.12, 2)); }
-
-/// Depth of the made-up deposit over L0, at x over L0.
-double depth(const Shape& shape, double x, double done) {
-  const double reach = 1.0 + shape.runout * done, height = 1.0 + (shape.height - 1.0) * done;
-  return x < reach ? height * (1.0 - done * std::pow(x / reach, 1.3)) : 0.0;
-}
 
 json column_curves(const Shape& shape) {
   json out;
@@ -295,35 +260,6 @@ json mutants() {
            {"runs", 4}}};
 }
 
-/// Items of a made-up collapse: they spread with the deposit.
-analysis::SnapshotSeries column_series(const Shape& shape) {
-  const bool continuum = is_continuum(shape.code);
-  std::mt19937 random(static_cast<unsigned>(shape.seed));
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  const int count = continuum ? 2000 : 1072;
-  std::vector<double> x(count), z(count), y(count);
-  for (int i = 0; i < count; ++i) {
-    x[i] = unit(random);
-    z[i] = unit(random);
-    y[i] = 0.012 * unit(random);
-  }
-  analysis::SnapshotSeries series;
-  for (int frame = 0; frame <= 24; ++frame) {
-    const double time = run_time * frame / 24, done = done_at(time);
-    analysis::Snapshot snapshot{time, analysis::Vectors(3, count), analysis::Vectors::Zero(3, count),
-                                Eigen::VectorXd::Constant(count, continuum ? 7.7e-9 : 1.4e-8)};
-    for (int i = 0; i < count; ++i) {
-      const double place = x[i] * (1.0 + shape.runout * done * x[i]);
-      snapshot.positions.col(i) << column_length * place, y[i],
-          column_length * z[i] * depth(shape, place, done) + 0.001;
-      snapshot.velocities(0, i) =
-          column_length * shape.runout * x[i] * x[i] * (2.0 * time / 0.0144) * (1.0 - done);
-    }
-    series.push_back(snapshot);
-  }
-  return series;
-}
-
 }  // namespace
 
 json sample_results() {
@@ -358,23 +294,6 @@ json sample_results() {
           {"mutants", mutants()}};
 }
 
-json sample_pictures() {
-  json pictures = json::array();
-  for (const Shape& shape : shapes) {
-    const std::string code = shape.code;
-    if (shape.seed != 1 || code == "continuum_coarse" || code == "continuum_short_steps") continue;
-    validation::PictureOptions options;
-    options.name = "column_collapse/a_1";
-    options.code = code;
-    options.seed = 1;
-    options.thickness = 0.012;
-    options.field_spacing = column_length / 16;
-    if (is_continuum(code)) options.packing = 0.57;
-    pictures.push_back(validation::picture_of_series(column_series(shape), options));
-  }
-  return pictures;
-}
-
 json many_points(int count) {
   json results = sample_results();
   const json first = results["points"][0];
@@ -383,18 +302,6 @@ json many_points(int count) {
     results["points"].back()["name"] = fmt::format("column_collapse/copy_{}", k);
   }
   return results;
-}
-
-json many_pictures(int count) {
-  json pictures = sample_pictures();
-  const json first = pictures;
-  for (int k = 3; k < count; ++k) {
-    for (json picture : first) {
-      picture["name"] = fmt::format("column_collapse/copy_{}", k);
-      pictures.push_back(picture);
-    }
-  }
-  return pictures;
 }
 
 }  // namespace talus::testing
