@@ -24,11 +24,11 @@ constexpr std::array<std::string_view, 6> kinds{
 /// What can be measured of each kind (measure.h).
 std::vector<std::string_view> observables_of(std::string_view kind) {
   if (kind == "column_collapse")
-    return {"runout", "x90", "x95", "centre_of_mass", "final_height", "stop_time"};
+    return {"runout", "x90", "x95", "centre_of_mass", "final_height", "stop_time", "profile_L1"};
   if (kind == "cylinder_collapse")
-    return {"runout", "r90", "r95", "mean_radius", "final_height", "stop_time"};
+    return {"runout", "r90", "r95", "mean_radius", "final_height", "stop_time", "profile_L1"};
   if (kind == "slot" || kind == "hourglass") return {"discharge_rate"};
-  return {"repose_angle"};
+  return {"repose_angle", "profile_L1"};
 }
 
 /// `whole` must be a whole number of `part`: the discrete codes count steps, and snapshots must fall on them.

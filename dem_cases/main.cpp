@@ -1,9 +1,6 @@
 // talus-dem: makes the reference ensemble of the discrete codes, and tells what it holds.
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -17,6 +14,7 @@
 #include "continuum/files/input_error.h"
 #include "continuum/files/provenance.h"
 #include "dem_cases/grain_dump.h"
+#include "dem_cases/reference/folder_lock.h"
 #include "dem_cases/reference/make_run.h"
 #include "dem_cases/reference/plan.h"
 #include "dem_cases/reference/store.h"
@@ -39,7 +37,7 @@ std::atomic<bool> interrupted = false;
 extern "C" void interrupt(int) { interrupted = true; }
 
 struct Arguments {
-  std::filesystem::path reference = TALUS_REFERENCE_FOLDER;
+  std::filesystem::path reference = reference_folder();
   std::filesystem::path runs = "build/reference";
   std::vector<std::string> cases;  // names of cases, CASE/POINT, or case files; empty: all
   std::string code;                // empty: both
@@ -77,30 +75,10 @@ std::vector<PlannedRun> wanted_runs(const Arguments& arguments) {
   return runs;
 }
 
-/// Keeps a second program out of a folder for as long as it lives.
-class FolderLock {
- public:
-  explicit FolderLock(const std::filesystem::path& folder) {
-    make_writable_folder(folder);
-    descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor_ < 0 || ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-      throw InputError(
-          fmt::format("{}: another talus-dem is making runs there; wait for it, or give another folder",
-                      folder.string()));
-    }
-  }
-  ~FolderLock() { ::close(descriptor_); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int descriptor_;
-};
-
 /// The committed ensemble is for the cases that come with Talus.
 void check_reference(const Arguments& arguments) {
   const bool own_files = std::ranges::any_of(arguments.cases, is_case_file);
-  if (own_files && arguments.reference == std::filesystem::path(TALUS_REFERENCE_FOLDER)) {
+  if (own_files && arguments.reference == reference_folder()) {
     throw InputError(
         "a case file of your own needs a reference of its own: give --reference FOLDER; without it records "
         "go to the "
@@ -151,6 +129,7 @@ int make(const Arguments& arguments) {
                            const auto record =
                                make_run(prepared.run, prepared.folder, prepared.input_hash, stop);
                            store_record(arguments.reference, record);
+                           write_file_atomically(prepared.folder / "record.json", record.dump(1) + "\n");
                            // Its numbers stand in snapshots.h5, compressed.
                            std::filesystem::remove(prepared.folder / dump_file);
                            const auto folder = run_folder(arguments.runs, prepared.run);

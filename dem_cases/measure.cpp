@@ -79,21 +79,24 @@ json measure_cylinder(const Case& a_case, const CylinderGeometry& geometry, cons
           {"final_profile", profile_json(m.final_profile)}};
 }
 
-json measure_outflow(const Case& a_case, const SnapshotSeries& series) {
+/// In quasi-2-D a code may run another thickness than the case's; figures are those of the case's.
+json measure_outflow(const Case& a_case, const SnapshotSeries& series, double thickness) {
+  const double case_thickness = periodic_thickness(a_case.geometry);
+  const double scale = case_thickness > 0.0 ? case_thickness / thickness : 1.0;
   const auto m = analysis::measure_discharge(series, {.opening = Eigen::Vector3d::Zero(),
                                                       .grain_density = a_case.grains.density,
                                                       .most_fill = a_case.ruler.window_upper,
                                                       .least_fill = a_case.ruler.window_lower});
   const auto& o = m.observables;
-  json observables{{"discharge_rate", o.rate},
-                   {"discharge_rate_error", o.rate_standard_error},
-                   {"flatness", o.flatness},
-                   {"window_start", o.window_start},
-                   {"window_end", o.window_end},
-                   {"residual", o.residual},
-                   {"released_mass", m.curve.mass.front()}};
+  std::vector<double> mass = m.curve.mass;
+  for (double& kilograms : mass) kilograms *= scale;
+  json observables{
+      {"discharge_rate", scale * o.rate}, {"discharge_rate_error", scale * o.rate_standard_error},
+      {"flatness", o.flatness},           {"window_start", o.window_start},
+      {"window_end", o.window_end},       {"residual", o.residual},
+      {"released_mass", mass.front()}};
   if (o.emptied_time) observables["emptied_time"] = *o.emptied_time;
-  return {{"observables", observables}, {"curves", {{"time", m.curve.time}, {"mass", m.curve.mass}}}};
+  return {{"observables", observables}, {"curves", {{"time", m.curve.time}, {"mass", mass}}}};
 }
 
 /// Share of the volume above the floor that left it over the last tenth of the time.
@@ -151,7 +154,7 @@ json measure(const Case& a_case, const SnapshotSeries& series, double thickness)
     return measure_pile(a_case, series,
                         {.shape = analysis::ConicalHeap{{0.0, 0.0}}, .bin_width = a_case.ruler.profile_bin});
   }
-  return measure_outflow(a_case, series);
+  return measure_outflow(a_case, series, thickness);
 }
 
 }  // namespace talus::dem

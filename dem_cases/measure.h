@@ -9,7 +9,8 @@
 namespace talus::dem {
 
 /// {"observables": {name: number}, "curves": {name: [numbers]}, "final_profile": {"x", "depth"}}, SI units, angles in degrees;
-/// lengths of deposits over L0 or R0 as their rulers say. `thickness`: m, of what the code ran, in quasi-2-D.
+/// lengths of deposits over L0 or R0 as their rulers say. `thickness`: m, of what the code ran, in quasi-2-D; masses are
+/// scaled to that of the case.
 /// A figure that the series does not give is null.
 /// - column_collapse, cylinder_collapse: analysis/observables/{column,cylinder}_collapse.h
 /// - slot, hourglass: discharge_rate (kg/s, with its ..._error), flatness, residual, emptied_time; of the mass above the opening

@@ -8,118 +8,127 @@
 #include <csignal>
 #include <thread>
 
-#include "continuum/files/atomic_file.h"
-#include "continuum/files/checked_table.h"
+#include "continuum/files/input_error.h"
 #include "continuum/files/provenance.h"
-#include "validation/report/report.h"
-#include "validation/results.h"
+#include "validation/commands.h"
 
 namespace {
 
 using namespace talus;
 using namespace talus::validation;
 
-constexpr int exit_pass = 0;
-constexpr int exit_failed = 1;  // a run failed, or the gate did
+constexpr int exit_failed = 1;  // a run failed, or a gate did
 constexpr int exit_input = 2;
-constexpr int exit_inconclusive = 3;
 constexpr int exit_interrupted = 130;
 
 std::atomic<bool> interrupted = false;
 extern "C" void interrupt(int) { interrupted = true; }
 
-struct Arguments {
-  std::string suite = "smoke";
-  std::filesystem::path output;
-  int workers = 0;
-  std::string command_line;
-};
-
-void write_report_of(const nlohmann::json& results, const std::filesystem::path& output) {
-  write_report(results, make_pictures(results, output), output / report_name);
-  spdlog::info("report: {}", (output / report_name).string());
+void add_list(CLI::App& app, Arguments& a) {
+  auto* command =
+      app.add_subcommand("list", "List the suites, or the runs of one: cost, memory, whether they are there");
+  command->add_option("suite", a.suite, "name of a suite, or a suite file (.toml)");
+  command->add_option("-o,--output", a.output, "folder of the results, to see what is there");
+  command->add_option("--tag", a.tag, "only points that carry this tag, and what they require");
+  command->add_option("--json", a.json, "write the list here as well");
+  command->callback([&] { a.command = list; });
 }
 
-int run(const Arguments& arguments) {
-  const Suite suite = read_suite(arguments.suite);
-  const auto jobs = plan_jobs(suite, arguments.output);
-  make_writable_folder(arguments.output / "runs");
-  // Old results must not stand while new runs replace what they were made from.
-  std::filesystem::remove(arguments.output / results_name);
-  std::filesystem::remove(arguments.output / report_name);
-  const int workers = arguments.workers > 0
-                          ? arguments.workers
-                          : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  spdlog::info("{}: {} runs, {} at a time", suite.title, jobs.size(), workers);
-  run_jobs(suite, jobs, workers, [] { return interrupted.load(); });
-  const auto results = assemble_results(suite, jobs, arguments.command_line);
-  write_file_atomically(arguments.output / results_name, results.dump(1) + "\n");
-  write_report_of(results, arguments.output);
-  fmt::print("{}", summary_text(results));
-  return exit_pass;
+void add_run(CLI::App& app, Arguments& a) {
+  auto* command = app.add_subcommand(
+      "run",
+      "Run what is missing of a suite; then results.json, both gates, report.html in the output folder");
+  command->add_option("suite", a.suite, "name of a suite, or a suite file (.toml)")->required();
+  command->add_option("-o,--output", a.output, "folder of the results")->required();
+  command->add_option("--only", a.only,
+                      "CASE/POINT/CODE/SEED or the beginning of it: these runs alone, and no results");
+  command->add_option("--tag", a.tag, "only points that carry this tag, and what they require");
+  command->add_flag("--force", a.force, "make runs that are there again");
+  command->add_flag("--no-report", a.no_report, "results.json only");
+  command->add_option("-j,--jobs", a.workers, "runs at a time, one core each; default: all cores")
+      ->check(CLI::Range(1, 1024));
+  command->add_option("--json", a.json, "write what was made and both verdicts here");
+  command->callback([&] { a.command = run; });
 }
 
-int report(const Arguments& arguments) {
-  write_report_of(read_results(arguments.output), arguments.output);
-  return exit_pass;
+void add_check(CLI::App& app, Arguments& a) {
+  auto* command = app.add_subcommand("check", "Judge stored results: the exit code is the verdict");
+  command->add_option("-o,--output", a.output, "folder of the results")->required();
+  command
+      ->add_option("--gate", a.gate,
+                   "truth (against the discrete codes), drift (against the accepted baseline), or both")
+      ->check(CLI::IsMember({"truth", "drift", "both"}))
+      ->capture_default_str();
+  command->add_flag("--annotate", a.annotate, "a GitHub workflow command for each row that does not pass");
+  command->add_option("--json", a.json, "write the verdicts here");
+  command->callback([&] { a.command = check; });
 }
 
-int check(const Arguments& arguments) {
-  auto results = read_results(arguments.output);
-  judge(results);
-  fmt::print("{}", summary_text(results));
-  const auto verdict = results.at("verdict").get<std::string>();
-  return verdict == "PASS" ? exit_pass : verdict == "FAIL" ? exit_failed : exit_inconclusive;
-}
+void add_others(CLI::App& app, Arguments& a) {
+  auto* report_command =
+      app.add_subcommand("report", "Write report.html again from stored results; other formats if asked for");
+  report_command->add_option("-o,--output", a.output, "folder of the results")->required();
+  report_command->add_flag("--pdf", a.pdf, "report.pdf, printed by Chromium");
+  report_command->add_flag("--junit", a.junit, "report.xml for test runners");
+  report_command->add_flag("--markdown", a.markdown, "report.md for a pull request");
+  report_command->add_option("--json", a.json, "write the names of the files here");
+  report_command->callback([&] { a.command = report; });
 
-int list() {
-  for (const auto& name : suite_names()) fmt::print("{:<12} {}\n", name, read_suite(name).title);
-  return exit_pass;
+  auto* compare_command = app.add_subcommand("compare", "Two folders of results, observable by observable");
+  compare_command->add_option("a", a.output, "folder of results")->required();
+  compare_command->add_option("b", a.other, "folder of results")->required();
+  compare_command->add_option("--json", a.json, "write the comparison here");
+  compare_command->callback([&] { a.command = compare; });
+
+  auto* accept_command = app.add_subcommand("accept", "Make stored results the baseline of the drift gate");
+  accept_command->add_option("-o,--output", a.output, "folder of the results")->required();
+  accept_command->add_option("--reason", a.reason, "why; goes into the history")->required();
+  accept_command->add_option("--json", a.json, "write the entry of the history here");
+  accept_command->callback([&] { a.command = accept_baseline; });
+
+  auto* mutate_command = app.add_subcommand(
+      "mutate", "Run a suite and then its broken solvers: does the truth gate find each of them out?");
+  mutate_command->add_option("suite", a.suite, "name of a suite, or a suite file (.toml)")->required();
+  mutate_command->add_option("-o,--output", a.output, "folder of the results")->required();
+  mutate_command->add_option("-j,--jobs", a.workers, "runs at a time, one core each; default: all cores")
+      ->check(CLI::Range(1, 1024));
+  mutate_command->add_option("--json", a.json, "write the table here");
+  mutate_command->callback([&] { a.command = mutate; });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Runs the same granular case through the continuum, LIGGGHTS and YADE, and compares them."};
+  CLI::App app{"Runs the same granular cases through the continuum, LIGGGHTS and YADE, and compares them."};
   app.set_version_flag("--version", version_line("talus-validate"));
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 done (check: PASS), 1 a run failed or check says FAIL, 2 bad input, 3 check says "
-      "INCONCLUSIVE, "
-      "130 interrupted.");
+      "Exit codes: 0 done (check: PASS; mutate: all found out), 1 a run failed, check says FAIL or a mutant "
+      "survives, "
+      "2 bad input, 3 check says INCONCLUSIVE, 130 interrupted.");
   Arguments arguments;
+  app.add_option("--baseline", arguments.baseline, "folder of accepted baselines, for the drift gate")
+      ->capture_default_str();
+  app.add_option("--reference-runs", arguments.reference_runs,
+                 "folder where talus-dem has made the reference's runs, for their pictures")
+      ->capture_default_str();
   arguments.command_line = fmt::format("{}", fmt::join(argv, argv + argc, " "));
-  const auto add_suite = [&](CLI::App* command) {
-    command->add_option("suite", arguments.suite, "name of a suite, or a suite file (.toml)")->required();
-  };
-  const auto add_output = [&](CLI::App* command) {
-    command->add_option("-o,--output", arguments.output, "folder of the results")->required();
-  };
-  auto* run_command =
-      app.add_subcommand("run", "Run a suite: results.json, report.html and every run in the output folder");
-  add_suite(run_command);
-  add_output(run_command);
-  run_command->add_option("-j,--jobs", arguments.workers, "runs at a time, one core each; default: all cores")
-      ->check(CLI::Range(1, 1024));
-  auto* report_command = app.add_subcommand("report", "Write report.html again from the stored runs");
-  add_output(report_command);
-  auto* check_command =
-      app.add_subcommand("check", "Judge stored results: truth gate against the discrete codes");
-  add_output(check_command);
-  auto* list_command = app.add_subcommand("list", "List the suites that come with Talus");
+  arguments.workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  arguments.stop = [] { return interrupted.load(); };
+  add_list(app, arguments);
+  add_run(app, arguments);
+  add_check(app, arguments);
+  add_others(app, arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? exit_pass : exit_input;
+    return app.exit(error) == 0 ? 0 : exit_input;
   }
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
-  std::signal(SIGHUP, interrupt);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    if (std::signal(signal, interrupt) == SIG_IGN) std::signal(signal, SIG_IGN);  // nohup
+  }
   try {
-    if (*run_command) return run(arguments);
-    if (*report_command) return report(arguments);
-    if (*check_command) return check(arguments);
-    if (*list_command) return list();
+    return arguments.command(arguments);
   } catch (const InputError& error) {
     fmt::print(stderr, "talus-validate: {}\n", error.what());
     return exit_input;
@@ -131,5 +140,4 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "talus-validate: {}\n", error.what());
     return interrupted ? exit_interrupted : exit_failed;
   }
-  return exit_input;
 }

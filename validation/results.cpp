@@ -2,122 +2,147 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numbers>
-#include <set>
 
 #include "continuum/files/atomic_file.h"
-#include "continuum/files/checked_table.h"
+#include "continuum/files/input_error.h"
 #include "continuum/files/provenance.h"
+#include "dem_cases/time_step.h"
+#include "validation/backends/continuum.h"
+#include "validation/gates/drift.h"
 #include "validation/gates/truth.h"
+#include "validation/gates/values.h"
+#include "validation/metrics.h"
+#include "validation/parameters.h"
 
 namespace talus::validation {
 namespace {
 
 using nlohmann::json;
 
-constexpr int schema_version = 1;
+constexpr int schema_version = 2;
 
-json parameters_of(const dem::Case& c, const ContinuumResolution& resolution) {
-  return {
-      {"geometry",
-       {{"column_length_m", column_geometry(c).column_length},
-        {"column_height_m", column_geometry(c).column_height},
-        {"thickness_m", column_geometry(c).thickness},
-        {"tank_length_m", column_geometry(c).tank_length},
-        {"rough_floor", column_geometry(c).rough_floor}}},
-      {"grains",
-       {{"diameter_m", c.grains.diameter},
-        {"diameter_spread", c.grains.diameter_spread},
-        {"density_kg_m3", c.grains.density},
-        {"youngs_modulus_pa", c.grains.youngs_modulus},
-        {"poissons_ratio", c.grains.poissons_ratio}}},
-      {"contact",
-       {{"restitution", c.contact.restitution},
-        {"friction", c.contact.friction},
-        {"rolling_friction", c.contact.rolling_friction},
-        {"wall_friction", c.contact.wall_friction}}},
-      {"protocol",
-       {{"gravity_m_s2", c.protocol.gravity},
-        {"volume_fraction", c.protocol.volume_fraction},
-        {"settle_time_s", c.protocol.settle_time},
-        {"run_time_s", c.protocol.run_time},
-        {"snapshot_interval_s", c.protocol.snapshot_interval},
-        {"time_step_s", c.protocol.time_step},
-        {"rest_energy", c.protocol.rest_energy}}},
-      {"ruler", {{"profile_bin_m", c.ruler.profile_bin}, {"front_depth_m", c.ruler.front_depth}}},
-      {"continuum",
-       {{"cells_per_column_length", resolution.cells_per_column_length},
-        {"particles_per_cell_axis", resolution.particles_per_cell_axis},
-        {"lattice_jitter", resolution.lattice_jitter}}},
-  };
+/// The standard uncertainty that the ruler itself adds, in the observable's unit: what the fit of an angle or a rate is uncertain by, and for
+/// the front the bin it may lie anywhere in.
+double measuring_uncertainty(const dem::Case& a_case, const std::string& observable, const json& runs) {
+  if (observable == "runout")
+    return a_case.ruler.profile_bin / (2.0 * std::numbers::sqrt3) / cell_length(a_case);
+  double largest = 0.0;
+  for (const char* suffix : {"_error", "_fit_error"}) {
+    for (const char* code : {"liggghts", "yade"}) {
+      const auto errors = values_of(runs, code, observable + suffix);
+      if (errors.empty()) continue;
+      const double mean = analysis::ensemble_statistics(errors).mean;
+      if (std::isfinite(mean)) largest = std::max(largest, mean);
+    }
+  }
+  return largest;
 }
 
-json calibration_of(const Suite& suite, const SuiteCase& entry) {
-  const dem::MaterialConstants& material = entry.material;
-  return {{"name", entry.column.calibration},
-          {"file", suite.calibration.filename().string()},
-          {"input_hash", suite.calibration_hash},
-          {"friction_angle_deg", material.friction_angle * 180.0 / std::numbers::pi},
-          {"max_volume_fraction", material.max_volume_fraction},
-          {"status", material.status},
-          {"source", material.source}};
+json bands_of(const dem::Case& a_case, const json& runs) {
+  json bands = json::array();
+  for (const auto& band : a_case.observables) {
+    bands.push_back({{"observable", band.name},
+                     {"unit", unit_of(a_case, band.name)},
+                     {"band", band.relative_band},
+                     {"why", band.why},
+                     {"measuring", measuring_uncertainty(a_case, band.name, runs)}});
+  }
+  return bands;
 }
 
-std::string number(const json& value, const char* format) {
-  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : std::string("-");
+json preflight(const dem::Case& a_case) {
+  const dem::TimeStepCheck check = dem::check_time_step(a_case);
+  return {{"time_step_s", a_case.protocol.time_step},
+          {"rayleigh_time_s", check.rayleigh_time},
+          {"rayleigh_fraction", check.rayleigh_fraction},
+          {"hertz_time_s", check.hertz_time},
+          {"hertz_fraction", check.hertz_fraction}};
 }
 
-std::string mean_and_spread(const json& statistics) {
-  if (!statistics.is_object()) return "-";
-  return fmt::format("{} +- {}", number(statistics.at("mean"), "{:.3f}"),
-                     number(statistics.at("sd"), "{:.3f}"));
+/// The record as results.json holds it: what all codes' runs have in common is filled in.
+json run_json(const SuitePoint& point, FoundRecord found) {
+  json run = std::move(found.record);
+  run["status"] = "ok";
+  run["origin"] = found.origin;
+  if (run.at("code") == "liggghts" || run.at("code") == "yade") {
+    run["count"] = run.value("grains", json());
+    run["time_step_s"] = point.a_case.protocol.time_step;
+    run["thickness_m"] = dem::periodic_thickness(point.a_case.geometry);
+    run["preflight"] = preflight(point.a_case);
+    run["solver"] = nullptr;
+  } else {
+    run["preflight"] = nullptr;
+  }
+  return run;
+}
+
+json point_json(const Suite& suite, const SuitePoint& point, const std::vector<SuiteRun>& runs) {
+  json records = json::array();
+  for (const auto& run : runs) {
+    if (run.point != point.name()) continue;
+    auto found = find_record(run);
+    if (!found)
+      throw InputError(
+          fmt::format("{}: this run is not there; make it with 'talus-validate run'", run.name()));
+    records.push_back(run_json(point, std::move(*found)));
+  }
+  const dem::Case& a_case = point.a_case;
+  return {{"case", a_case.name},
+          {"point", a_case.point},
+          {"name", point.name()},
+          {"kind", a_case.kind},
+          {"family", family_of(a_case)},
+          {"title", a_case.title},
+          {"file", std::filesystem::absolute(a_case.file).string()},
+          {"input_hash", a_case.input_hash},
+          {"tags", point.tags},
+          {"length_unit", length_unit_of(a_case)},
+          {"parameters", parameters_of(point)},
+          {"calibration", calibration_of(suite, point)},
+          {"bands", bands_of(a_case, records)},
+          {"runs", records}};
 }
 
 }  // namespace
 
-json assemble_results(const Suite& suite, const std::vector<Job>& jobs, const std::string& command_line) {
-  json results{{"schema", "talus-results"}, {"schema_version", schema_version}, {"suite", suite.name},
-               {"title", suite.title},      {"provenance", provenance()},       {"cases", json::array()}};
+json assemble_results(const Suite& suite, const std::vector<SuiteRun>& runs,
+                      const std::string& command_line) {
+  json results{{"schema", "talus-results"},
+               {"schema_version", schema_version},
+               {"suite", suite.name},
+               {"title", suite.title},
+               {"suite_file", std::filesystem::absolute(suite.file).string()},
+               {"calibration_file", std::filesystem::absolute(suite.calibration).string()},
+               {"calibration_hash", suite.calibration_hash},
+               {"provenance", provenance()},
+               {"points", json::array()}};
   results["provenance"]["command_line"] = command_line;
   results["provenance"]["suite_hash"] = suite.input_hash;
-  for (const auto& job : jobs) results["provenance"]["programs"][job.backend_name] = job.backend.version;
-  for (std::size_t c = 0; c < suite.cases.size(); ++c) {
-    const dem::Case& column = suite.cases[c].column;
-    json runs = json::array(), bands = json::array();
-    for (const auto& job : jobs) {
-      if (job.case_index == c) runs.push_back(read_record(job.folder));
-    }
-    for (const auto& band : column.observables) {
-      bands.push_back({{"observable", band.name}, {"relative_band", band.relative_band}, {"why", band.why}});
-    }
-    results["cases"].push_back({{"name", column.name},
-                                {"title", column.title},
-                                {"file", column.file.filename().string()},
-                                {"input_hash", column.input_hash},
-                                {"parameters", parameters_of(column, suite.resolution)},
-                                {"calibration", calibration_of(suite, suite.cases[c])},
-                                {"column_length_m", column_geometry(column).column_length},
-                                {"bands", bands},
-                                {"runs", runs}});
-  }
-  judge(results);
+  for (const auto& run : runs) results["provenance"]["programs"][run.run.code] = run.run.version;
+  for (const auto& point : suite.points) results["points"].push_back(point_json(suite, point, runs));
   results["complete"] = true;
+  judge(results, baseline_folder());
   return results;
 }
 
-void judge(json& results) {
+void judge(json& results, const std::filesystem::path& baseline) {
   // Nothing to judge is no pass.
-  Verdict verdict = results.at("cases").empty() ? Verdict::inconclusive : Verdict::pass;
-  for (auto& one : results.at("cases")) {
-    std::vector<dem::ObservableBand> bands;
-    for (const auto& band : one.at("bands"))
-      bands.push_back({band.at("observable"), band.at("relative_band"), band.at("why")});
-    const TruthJudgement judgement = judge_truth(bands, one.at("runs"));
-    one["summary"] = judgement.summary;
-    one["verdict"] = verdict_text(judgement.verdict);
-    verdict = worse(verdict, judgement.verdict);
+  Verdict verdict = Verdict::inconclusive;
+  bool any = false;
+  for (auto& point : results.at("points")) {
+    const TruthJudgement judgement = judge_truth(point);
+    point["truth"] = judgement.rows;
+    point["verdict"] = verdict_text(judgement.verdict);
+    if (judgement.rows.empty()) continue;  // the continuum does not run it
+    verdict = any ? worse(verdict, judgement.verdict) : judgement.verdict;
+    any = true;
   }
   results["verdict"] = verdict_text(verdict);
+  judge_drift_of_suite(results, baseline);
+  results["metrics"] = suite_metrics(results);
+  results["beverloo"] = beverloo_fits(results);
 }
 
 json read_results(const std::filesystem::path& folder) {
@@ -130,48 +155,32 @@ json read_results(const std::filesystem::path& folder) {
   }
   if (!results.is_object() || results.value("schema", "") != "talus-results" ||
       results.value("schema_version", 0) != schema_version) {
-    throw InputError(
-        fmt::format("{}: not talus-results of schema version {}", file.string(), schema_version));
+    throw InputError(fmt::format("{}: not talus-results of schema version {}; run the suite again",
+                                 file.string(), schema_version));
   }
   if (!results.value("complete", false))
     throw InputError(fmt::format("{}: not complete; run the suite again", file.string()));
   return results;
 }
 
-json make_pictures(const json& results, const std::filesystem::path& output) {
-  json pictures = json::array();
-  for (const auto& one : results.at("cases")) {
-    const int layers = one.at("parameters").at("continuum").at("particles_per_cell_axis");
-    std::set<std::string> drawn;  // the first seed of each backend
-    for (const auto& run : one.at("runs")) {
-      if (!drawn.insert(run.at("backend")).second) continue;
-      json picture =
-          picture_of_run(run, run_folder(output, one.at("name"), run.at("backend"), run.at("seed")), layers);
-      picture["case"] = one.at("name");
-      pictures.push_back(std::move(picture));
+std::string why_stale(const json& results) {
+  const auto changed = [](const std::string& file, const std::string& hash) {
+    return !std::filesystem::exists(file) || sha256(read_file(file)) != hash;
+  };
+  const auto told = [](const std::string& what) {
+    return what + " has changed since these results were made";
+  };
+  const std::string suite = results.at("suite_file"), calibration = results.at("calibration_file");
+  if (changed(suite, results.at("provenance").at("suite_hash"))) return told(suite);
+  if (changed(calibration, results.at("calibration_hash"))) return told(calibration);
+  for (const auto& point : results.at("points")) {
+    const std::string file = point.at("file");
+    if (changed(file, point.at("input_hash"))) return told(file);
+    for (const auto* run : runs_of(point.at("runs"), continuum_code)) {
+      if (run->at("version") != continuum_version()) return told("the program talus");
     }
   }
-  return pictures;
-}
-
-std::string summary_text(const json& results) {
-  std::string text;
-  for (const auto& one : results.at("cases")) {
-    text += fmt::format("{}\n{:<16}{:>18}{:>18}{:>18}{:>11}{:>7}  {}\n", one.at("title").get<std::string>(),
-                        "over L0", "continuum", "liggghts", "yade", "deviation", "band", "verdict");
-    for (const auto& row : one.at("summary")) {
-      const auto percent = [](const json& v) {
-        return v.is_number() ? fmt::format("{:+.1f} %", 100.0 * v.get<double>()) : "-";
-      };
-      text +=
-          fmt::format("{:<16}{:>18}{:>18}{:>18}{:>11}{:>7}  {}\n", row.at("observable").get<std::string>(),
-                      mean_and_spread(row.at("continuum")), mean_and_spread(row.at("liggghts")),
-                      mean_and_spread(row.at("yade")), percent(row.at("deviation")),
-                      fmt::format("{:.0f} %", 100.0 * row.at("band").get<double>()),
-                      row.at("verdict").get<std::string>());
-    }
-  }
-  return text + fmt::format("verdict: {}\n", results.at("verdict").get<std::string>());
+  return {};
 }
 
 }  // namespace talus::validation

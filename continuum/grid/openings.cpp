@@ -12,6 +12,10 @@ using Eigen::Vector3i;
 
 constexpr int samples_per_axis = 4;  // per cell, for volume shares
 
+/// Share of a cell within which a corner lies on a wall's surface. A wall along the grid's planes would otherwise be open or closed by
+/// round-off, and where it is open the sand's contact with it stands in the closed cell behind: without friction.
+constexpr double on_surface = 1e-9;
+
 /// Corners are counted at both ends of every axis, periodic or not.
 int corner_index(const Grid& grid, const Vector3i& i) {
   return i[0] + (grid.cells[0] + 1) * (i[1] + (grid.cells[1] + 1) * i[2]);
@@ -135,7 +139,9 @@ Openings make_openings(const Grid& grid, const WallDistanceFunction& walls) {
   const Vector3i corners = grid.cells.array() + 1;
   openings.distance.resize(corners.prod());
   for_each_index(corners, [&](const Vector3i& i) {
-    openings.distance[corner_index(grid, i)] = walls(grid.origin + grid.spacing * i.cast<double>()).distance;
+    const double distance = walls(grid.origin + grid.spacing * i.cast<double>()).distance;
+    openings.distance[corner_index(grid, i)] =
+        std::abs(distance) < on_surface * grid.spacing ? 0.0 : distance;
   });
   openings.friction.resize(grid.cells.prod());
   for_each_index(grid.cells, [&](const Vector3i& i) {

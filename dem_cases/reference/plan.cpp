@@ -56,13 +56,6 @@ const Code& code_named(const std::string& name) {
 /// Raise it when measure() comes to other figures of the same series.
 constexpr int ruler_version = 1;
 
-nlohmann::json measurement_of(const Case& a_case) {
-  const Ruler& ruler = a_case.ruler;
-  return {{"ruler_version", ruler_version},     {"profile_bin_m", ruler.profile_bin},
-          {"front_depth_m", ruler.front_depth}, {"window_upper", ruler.window_upper},
-          {"window_lower", ruler.window_lower}, {"rest_energy", a_case.protocol.rest_energy}};
-}
-
 void check_at_rest(const Case& a_case, const nlohmann::json& measured) {
   const auto& observables = measured.at("observables");
   if (observables.contains("at_rest") && !observables.at("at_rest").get<bool>()) {
@@ -83,37 +76,52 @@ void keep_snapshots(const analysis::SnapshotSeries& series, const PlannedRun& ru
 
 }  // namespace
 
-std::vector<PlannedRun> planned_runs(const Case& a_case) {
+nlohmann::json measurement_of(const Case& a_case) {
+  const Ruler& ruler = a_case.ruler;
+  return {{"ruler_version", ruler_version},     {"profile_bin_m", ruler.profile_bin},
+          {"front_depth_m", ruler.front_depth}, {"window_upper", ruler.window_upper},
+          {"window_lower", ruler.window_lower}, {"rest_energy", a_case.protocol.rest_energy}};
+}
+
+PlannedRun planned_run(const Case& a_case, const std::string& code_name, std::uint64_t seed) {
   constexpr double patience = 20.0;  // times the expected cost; a run that hangs must end
   const StepSchedule schedule = step_schedule(a_case);
-  const double grains = expected_grains(a_case);
   const auto steps = static_cast<double>(schedule.settle + schedule.run());
+  const Code& code = code_named(code_name);
+  PlannedRun run;
+  run.case_name = a_case.name;
+  run.point_name = a_case.point;
+  run.code = code_name;
+  run.seed = seed;
+  run.version = code.version;
+  run.command = code.command;
+  run.log_file = code.log_file;
+  run.expected_cpu = expected_grains(a_case) * steps / code.grain_steps_per_second;
+  run.time_limit = 600.0 + patience * run.expected_cpu;
+  run.measurement = measurement_of(a_case);
+  run.write_input = [a_case, seed, write = code.write_input](const auto& folder) {
+    write(a_case, make_packing(a_case, seed), folder);
+  };
+  run.progress = [a_case](const auto& folder) { return progress_of_run(a_case, folder); };
+  run.failure_text = code.failure_text;
+  run.measure = [a_case, named = run](const auto& folder) {
+    const auto series = read_grain_dump(a_case, make_packing(a_case, named.seed), folder);
+    nlohmann::json measured = measure(a_case, series, periodic_thickness(a_case.geometry));
+    measured["grains"] = series.front().volumes.size();
+    keep_snapshots(series, named, folder);
+    return measured;
+  };
+  return run;
+}
+
+std::vector<PlannedRun> planned_runs(const Case& a_case) {
   std::vector<PlannedRun> runs;
   for (const auto& [name, seeds] : a_case.reference_seeds) {
     for (const std::uint64_t seed : seeds) {
-      const Code& code = code_named(name);
-      PlannedRun run;
-      run.case_name = a_case.name;
-      run.point_name = a_case.point;
-      run.code = name;
-      run.seed = seed;
-      run.version = code.version;
-      run.command = code.command;
-      run.log_file = code.log_file;
-      run.expected_cpu = grains * steps / code.grain_steps_per_second;
-      run.time_limit = 600.0 + patience * run.expected_cpu;
-      run.measurement = measurement_of(a_case);
-      run.write_input = [a_case, seed, write = code.write_input](const auto& folder) {
-        write(a_case, make_packing(a_case, seed), folder);
-      };
-      run.progress = [a_case](const auto& folder) { return progress_of_run(a_case, folder); };
-      run.failure_text = code.failure_text;
-      run.measure = [a_case, named = run](const auto& folder) {
-        const auto series = read_grain_dump(a_case, make_packing(a_case, named.seed), folder);
-        nlohmann::json measured = measure(a_case, series, periodic_thickness(a_case.geometry));
+      PlannedRun run = planned_run(a_case, name, seed);
+      run.measure = [a_case, measure_any = run.measure](const auto& folder) {
+        nlohmann::json measured = measure_any(folder);
         check_at_rest(a_case, measured);
-        measured["grains"] = series.front().volumes.size();
-        keep_snapshots(series, named, folder);
         return measured;
       };
       runs.push_back(std::move(run));

@@ -12,7 +12,15 @@ namespace talus::dem {
 /// The case files that come with Talus and that read_case() reads.
 std::vector<std::filesystem::path> gravity_case_files();
 
-/// The runs of one parameter point of a gravity-driven case: its reference seeds through both codes. Throws InputError
+/// What decides how a case is measured, whichever code ran it (PlannedRun::measurement).
+nlohmann::json measurement_of(const Case& a_case);
+
+/// One run of a gravity-driven case by "liggghts" or "yade". Throws InputError when the code is not installed or the case fails its
+/// preflight.
+PlannedRun planned_run(const Case& a_case, const std::string& code, std::uint64_t seed);
+
+/// The runs of one parameter point of a gravity-driven case: its reference seeds through both codes. Unlike planned_run()'s, they fail when
+/// the deposit is not at rest at the end. Throws InputError
 /// when a code is not installed or the case fails its preflight.
 std::vector<PlannedRun> planned_runs(const Case& a_case);
 

@@ -35,6 +35,8 @@ std::string text_of(const std::string& case_name, const std::string& point_name,
 
 }  // namespace
 
+std::filesystem::path reference_folder() { return TALUS_REFERENCE_FOLDER; }
+
 std::filesystem::path record_file(const std::filesystem::path& reference, const std::string& case_name,
                                   const std::string& point_name) {
   return reference / case_name / (point_name + ".json");

@@ -16,6 +16,9 @@
 
 namespace talus::dem {
 
+/// The committed ensemble, of the cases that come with Talus.
+std::filesystem::path reference_folder();
+
 /// Where the records of a case's point stand.
 std::filesystem::path record_file(const std::filesystem::path& reference, const std::string& case_name,
                                   const std::string& point_name);

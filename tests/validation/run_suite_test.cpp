@@ -1,10 +1,13 @@
-// The runner, with programs of the system for backends: order, failures, stopping.
+// The runner, with programs of the system for codes: order, failures, stopping, and not making twice what is there.
 #include "validation/run_suite.h"
 
 #include <gmock/gmock.h>
 
 #include <atomic>
+#include <fstream>
 
+#include "continuum/files/atomic_file.h"
+#include "dem_cases/reference/make_run.h"
 #include "tests/program.h"
 
 namespace talus::validation {
@@ -12,47 +15,36 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Jobs that run `commands`; each leaves a series of one grain that rolls and stops.
+/// Runs of `commands`.
 struct Bench {
   testing::TestFolder folder;
-  Suite suite;
-  std::vector<Job> jobs;
+  std::vector<SuiteRun> runs;
 
   explicit Bench(const std::vector<std::vector<std::string>>& commands) {
-    SuiteCase entry;
-    entry.column =
-        dem::read_case(std::filesystem::path(TALUS_SOURCE_DIR) / "tests/dem_cases/data/tiny_column.toml");
-    suite.cases.push_back(entry);
     for (std::size_t i = 0; i < commands.size(); ++i) {
-      Backend backend;
-      backend.version = "test";
-      backend.command = commands[i];
-      backend.log_file = "log";
-      backend.thickness = 0.012;
-      backend.write_input = [](const auto& where) { write_file_atomically(where / "input", "x"); };
-      backend.progress = [](const auto&) { return 0.5; };
-      backend.failure_text = [](const auto&) { return std::string("as it said"); };
-      backend.solver_summary = [](const auto&) { return nlohmann::json(); };
-      backend.read_output = [](const auto&) {
-        analysis::SnapshotSeries series;
-        for (int frame = 0; frame < 30; ++frame) {
-          analysis::Snapshot s;
-          s.time = 0.01 * frame;
-          s.positions = analysis::Vectors::Constant(3, 1, 0.005);
-          s.velocities = analysis::Vectors::Zero(3, 1);
-          s.volumes = Eigen::VectorXd::Constant(1, 1e-8);
-          series.push_back(s);
-        }
-        return series;
+      dem::PlannedRun run;
+      run.case_name = "column";
+      run.point_name = "tiny";
+      run.code = "yade";
+      run.seed = i + 1;
+      run.version = "test";
+      run.command = commands[i];
+      run.log_file = "log";
+      run.expected_cpu = 1.0;
+      run.time_limit = 20.0;
+      run.write_input = [](const auto& where) { write_file_atomically(where / "input", "x"); };
+      run.progress = [](const auto&) { return 0.5; };
+      run.failure_text = [](const auto&) { return std::string("as it said"); };
+      run.measure = [](const auto&) {
+        return nlohmann::json{{"observables", {{"x95", 1.5}}}, {"curves", nlohmann::json::object()}};
       };
-      jobs.push_back(
-          {0, "yade", i + 1, 20.0, 1.0, run_folder(folder.path(), "tiny_column", "yade", i + 1), backend});
+      runs.push_back({"column/tiny", run, dem::run_folder(folder.path() / "runs", run), 100.0, false});
     }
   }
-  std::string error(
-      int workers, const std::function<bool()>& stop = [] { return false; }) {
+  MakingOptions options(int workers = 1) const { return {.workers = workers}; }
+  std::string error(const MakingOptions& how) {
     try {
-      run_jobs(suite, jobs, workers, stop);
+      make_runs(runs, how);
     } catch (const RunError& failure) {
       return failure.what();
     }
@@ -60,50 +52,88 @@ struct Bench {
   }
 };
 
-TEST(RunJobs, RunsAllWithFewerOrMoreWorkersThanJobs) {
+TEST(MakeRuns, MakesAllWithFewerOrMoreWorkersThanRuns) {
   for (const int workers : {1, 2, 9}) {
     Bench bench({{"/bin/true"}, {"/bin/true"}, {"/bin/true"}});
-    EXPECT_EQ(bench.error(workers), "");
-    for (const auto& job : bench.jobs) EXPECT_EQ(read_record(job.folder)["status"], "ok");
+    EXPECT_EQ(bench.error(bench.options(workers)), "");
+    for (const auto& run : bench.runs) {
+      ASSERT_TRUE(find_record(run));
+      EXPECT_EQ(find_record(run)->origin, "run");
+      EXPECT_EQ(find_record(run)->record["observables"]["x95"], 1.5);
+    }
   }
 }
 
-TEST(RunJobs, TriesEveryJobEvenWhenAnotherFails) {
+TEST(MakeRuns, DoesNotMakeTwiceWhatIsThere) {
+  Bench bench({{"/bin/true"}, {"/bin/true"}});
+  EXPECT_EQ(make_runs(bench.runs, bench.options()), 2);
+  EXPECT_EQ(make_runs(bench.runs, bench.options()), 0);
+  MakingOptions force = bench.options();
+  force.force = true;
+  EXPECT_EQ(make_runs(bench.runs, force), 2);
+  // Other inputs, another version, another ruler: another run.
+  bench.runs[0].run.write_input = [](const auto& where) { write_file_atomically(where / "input", "y"); };
+  EXPECT_EQ(state_of(bench.runs[0]), "stale");
+  EXPECT_EQ(make_runs(bench.runs, bench.options()), 1);
+  bench.runs[1].run.version = "next";
+  EXPECT_EQ(make_runs(bench.runs, bench.options()), 1);
+  bench.runs[1].run.measurement = {{"ruler_version", 2}};
+  EXPECT_EQ(make_runs(bench.runs, bench.options()), 1);
+  EXPECT_EQ(state_of(bench.runs[1]), "stored");
+  std::filesystem::remove_all(bench.runs[1].folder);
+  EXPECT_EQ(state_of(bench.runs[1]), "missing");
+}
+
+TEST(MakeRuns, TriesEveryRunEvenWhenAnotherFails) {
   Bench bench({{"/bin/false"}, {"/bin/true"}, {"/bin/sh", "-c", "kill -9 $$"}, {"/bin/true"}});
-  EXPECT_THAT(bench.error(2), HasSubstr("2 of 4 runs failed"));
-  EXPECT_FALSE(std::filesystem::exists(bench.jobs[0].folder));
-  EXPECT_TRUE(std::filesystem::exists(bench.jobs[1].folder));
-  EXPECT_FALSE(std::filesystem::exists(bench.jobs[2].folder));
-  EXPECT_TRUE(std::filesystem::exists(bench.jobs[3].folder));
+  EXPECT_THAT(bench.error(bench.options(2)), HasSubstr("2 of 4 runs failed"));
+  EXPECT_FALSE(std::filesystem::exists(bench.runs[0].folder));
+  EXPECT_TRUE(std::filesystem::exists(bench.runs[1].folder));
+  EXPECT_FALSE(std::filesystem::exists(bench.runs[2].folder));
+  EXPECT_TRUE(std::filesystem::exists(bench.runs[3].folder));
 }
 
-TEST(RunJobs, StopsBetweenAndDuringJobsAndKeepsWhatWasWholeBefore) {
+TEST(MakeRuns, StopsBetweenAndDuringRunsAndKeepsWhatWasWholeBefore) {
   Bench bench({{"/bin/true"}, {"/bin/sleep", "60"}, {"/bin/true"}});
-  std::filesystem::create_directories(bench.jobs[2].folder);
-  write_file_atomically(bench.jobs[2].folder / "record.json", "{\"status\": \"earlier\"}");
+  EXPECT_EQ(make_runs({bench.runs[2]}, bench.options()), 1);
   std::atomic<int> asked = 0;
-  EXPECT_THAT(bench.error(1, [&] { return ++asked > 5; }), HasSubstr("interrupted"));
-  EXPECT_TRUE(std::filesystem::exists(bench.jobs[0].folder));
-  EXPECT_FALSE(std::filesystem::exists(bench.jobs[1].folder));
-  EXPECT_EQ(read_record(bench.jobs[2].folder)["status"], "earlier");
+  MakingOptions stopping = bench.options();
+  stopping.stop = [&] { return ++asked > 8; };
+  EXPECT_THAT(bench.error(stopping), HasSubstr("interrupted"));
+  EXPECT_TRUE(std::filesystem::exists(bench.runs[0].folder));
+  EXPECT_FALSE(std::filesystem::exists(bench.runs[1].folder));
+  EXPECT_EQ(state_of(bench.runs[2]), "stored");
+  bench.runs[1].run.command = {"/bin/true"};
+  EXPECT_EQ(make_runs(bench.runs, bench.options()), 1);  // the same command makes the rest
 }
 
-TEST(RunJobs, ADepositAtTheFarWallOrWithALossIsNoResult) {
-  const auto with = [](Bench& bench, auto change) {
-    auto& read = bench.jobs[0].backend.read_output;
-    read = [before = read, change](const auto& where) {
-      auto series = before(where);
-      change(series.back());
-      return series;
-    };
+TEST(MakeRuns, AMeasureThatFailsOrIsNotFiniteIsNoRun) {
+  Bench bench({{"/bin/true"}, {"/bin/true"}});
+  bench.runs[0].run.measure = [](const auto&) -> nlohmann::json { throw InputError("leaked"); };
+  bench.runs[1].run.measure = [](const auto&) {
+    return nlohmann::json{{"observables", {{"x95", std::nan("")}}}, {"curves", nlohmann::json::object()}};
   };
-  Bench far_wall({{"/bin/true"}});
-  with(far_wall, [](analysis::Snapshot& s) { s.positions(0, 0) = 0.119; });
-  EXPECT_THAT(far_wall.error(1), HasSubstr("1 of 1 runs failed"));
-  EXPECT_FALSE(std::filesystem::exists(far_wall.jobs[0].folder));
-  Bench lost({{"/bin/true"}});
-  with(lost, [](analysis::Snapshot& s) { s.volumes *= 0.9; });
-  EXPECT_THAT(lost.error(1), HasSubstr("1 of 1 runs failed"));
+  EXPECT_THAT(bench.error(bench.options()), HasSubstr("2 of 2 runs failed"));
+  for (const auto& run : bench.runs) EXPECT_EQ(state_of(run), "missing");
+}
+
+TEST(MakeRuns, ADamagedRecordIsAnErrorThatNamesIt) {
+  Bench bench({{"/bin/true"}});
+  make_runs(bench.runs, bench.options());
+  std::ofstream(bench.runs[0].folder / "record.json") << "{";
+  EXPECT_THAT(testing::input_error([&] { find_record(bench.runs[0]); }),
+              HasSubstr("record.json: not a record"));
+}
+
+TEST(Selected, TakesNamesAndTheirBeginnings) {
+  const Bench bench({{"/bin/true"}, {"/bin/true"}});
+  EXPECT_EQ(selected(bench.runs, {}).size(), 2u);
+  EXPECT_EQ(selected(bench.runs, {"column"}).size(), 2u);
+  EXPECT_EQ(selected(bench.runs, {"column/tiny/yade"}).size(), 2u);
+  ASSERT_EQ(selected(bench.runs, {"column/tiny/yade/2"}).size(), 1u);
+  EXPECT_EQ(selected(bench.runs, {"column/tiny/yade/2"})[0].run.seed, 2u);
+  EXPECT_THAT(testing::input_error([&] { selected(bench.runs, {"column/tiny/yad"}); }),
+              HasSubstr("selects no run"));
 }
 
 }  // namespace

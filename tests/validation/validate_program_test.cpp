@@ -23,9 +23,24 @@ const std::string program = (std::filesystem::path(TALUS_BINARY_DIR) / "bin" / "
 const std::string tiny_suite = (source / "tests/validation/data/tiny_suite.toml").string();
 
 testing::ProgramResult validate(const std::string& command, const std::string& suite,
-                                const std::filesystem::path& output) {
-  return run_program({"talus-validate", command, suite, "--output", output.string(), "--jobs", "2"});
+                                const std::filesystem::path& output,
+                                const std::vector<std::string>& more = {}) {
+  std::vector<std::string> line{"talus-validate", command, suite, "--output", output.string(), "--jobs", "2"};
+  line.insert(line.end(), more.begin(), more.end());
+  return run_program(line);
 }
+
+/// A command on stored results, with a baseline folder of the test's own.
+testing::ProgramResult judged(const std::string& command, const std::filesystem::path& output,
+                              const std::filesystem::path& baseline,
+                              const std::vector<std::string>& more = {}) {
+  std::vector<std::string> line{"talus-validate", "--baseline", baseline.string(),
+                                command,          "--output",   output.string()};
+  line.insert(line.end(), more.begin(), more.end());
+  return run_program(line);
+}
+
+nlohmann::json json_of(const std::filesystem::path& file) { return nlohmann::json::parse(read_file(file)); }
 
 /// The tiny suite and its case, written elsewhere with some text replaced; returns the suite's path.
 std::string changed_suite(const std::filesystem::path& folder, const std::string& from,
@@ -63,24 +78,29 @@ class WholeChain : public ::testing::Test {
 };
 
 TEST_F(WholeChain, ShowsProgressAndTheTable) {
-  EXPECT_THAT(result_.output, AllOf(HasSubstr("6 runs, 2 at a time"), HasSubstr("yade seed 1 finished"),
-                                    HasSubstr("centre_of_mass"), HasSubstr("verdict: ")));
+  EXPECT_THAT(result_.output,
+              AllOf(HasSubstr("8 of 8 runs to make"), HasSubstr("yade seed 1 finished"),
+                    HasSubstr("centre_of_mass"), HasSubstr("truth verdict: "), HasSubstr("drift verdict: ")));
 }
 
 TEST_F(WholeChain, ResultsHoldEveryRunWithItsProvenance) {
   const auto all = results();
-  EXPECT_EQ(all["schema_version"], 1);
+  EXPECT_EQ(all["schema_version"], 2);
   EXPECT_EQ(all["complete"], true);
   for (const char* key : {"git_hash", "compiler", "libraries", "programs", "command_line", "suite_hash"}) {
     EXPECT_TRUE(all["provenance"].contains(key)) << key;
   }
   EXPECT_EQ(all["provenance"]["programs"]["liggghts"], "3.8.0");
-  const auto& one = all["cases"][0];
+  const auto& one = all["points"][0];
+  EXPECT_EQ(one["name"], "tiny_column/tiny");
+  EXPECT_EQ(one["family"], "column collapse");
   EXPECT_EQ(one["input_hash"].get<std::string>().size(), 64u);
-  EXPECT_NEAR(one["calibration"]["friction_angle_deg"].get<double>(), 31.1, 1e-9);
-  ASSERT_EQ(one["runs"].size(), 6u);
+  EXPECT_GT(one["calibration"]["friction_angle_deg"].get<double>(), 20.0);
+  std::map<std::string, int> codes;
   for (const auto& run : one["runs"]) {
+    ++codes[run["code"]];
     EXPECT_EQ(run["status"], "ok");
+    EXPECT_EQ(run["origin"], "run");
     EXPECT_GT(run["cpu_s"].get<double>(), 0.0);
     EXPECT_GT(run["wall_s"].get<double>(), 0.0);
     EXPECT_GT(run["time_step_s"].get<double>(), 0.0);
@@ -88,25 +108,41 @@ TEST_F(WholeChain, ResultsHoldEveryRunWithItsProvenance) {
     EXPECT_GT(run["observables"]["x95"].get<double>(), 1.0);
     EXPECT_LT(run["observables"]["x95"].get<double>(), 3.5);
     EXPECT_EQ(run["curves"]["time"][0], 0.0);
-    const bool discrete = run["backend"] != "continuum";
+    const bool discrete = !run["code"].get<std::string>().starts_with("continuum");
     EXPECT_EQ(run["preflight"].is_object(), discrete);
     EXPECT_EQ(run["solver"].is_object(), !discrete);
     if (discrete) {
       EXPECT_LT(run["preflight"]["rayleigh_fraction"].get<double>(), 0.3);
     }
   }
+  const std::map<std::string, int> expected{
+      {"continuum", 2}, {"continuum_coarse", 1}, {"continuum_short_steps", 1}, {"liggghts", 2}, {"yade", 2}};
+  EXPECT_EQ(codes, expected);
+}
+
+/// The run of a code and seed.
+nlohmann::json run_of(const nlohmann::json& results, const std::string& code, int seed) {
+  for (const auto& run : results["points"][0]["runs"]) {
+    if (run["code"] == code && run["seed"] == seed) return run;
+  }
+  return {};
+}
+
+TEST_F(WholeChain, TheRefinementIsWhatItSays) {
+  const auto standard = run_of(results(), "continuum", 1), coarse = run_of(results(), "continuum_coarse", 1),
+             short_steps = run_of(results(), "continuum_short_steps", 1);
+  EXPECT_NEAR(coarse["thickness_m"].get<double>() / standard["thickness_m"].get<double>(), 2.0, 1e-9);
+  EXPECT_LT(short_steps["time_step_s"].get<double>(),
+            0.7 * standard["time_step_s"].get<double>());  // steps fill frames
+
+  const auto numerical = results()["points"][0]["truth"][0]["u_numerical"];
+  for (const char* part : {"seeds", "grid", "time_step", "combined"})
+    EXPECT_TRUE(numerical[part].is_number()) << part;
 }
 
 TEST_F(WholeChain, BothDiscreteCodesStartFromTheSamePackingAndAgree) {
-  const auto runs = results()["cases"][0]["runs"];
-  const auto find = [&](const std::string& backend, int seed) {
-    for (const auto& run : runs) {
-      if (run["backend"] == backend && run["seed"] == seed) return run;
-    }
-    return nlohmann::json();
-  };
   for (const int seed : {1, 2}) {
-    const auto a = find("liggghts", seed), b = find("yade", seed);
+    const auto a = run_of(results(), "liggghts", seed), b = run_of(results(), "yade", seed);
     EXPECT_EQ(a["count"], b["count"]);
     // A hundred grains scatter by some per cent; a wrong contact law or wall shows far more.
     EXPECT_NEAR(
@@ -117,7 +153,7 @@ TEST_F(WholeChain, BothDiscreteCodesStartFromTheSamePackingAndAgree) {
 
 TEST_F(WholeChain, EveryRunLeavesNeutralSnapshots) {
   for (const std::string run : {"continuum_seed1", "liggghts_seed1", "yade_seed2"}) {
-    const auto folder = output_ / "runs" / "tiny_column" / run;
+    const auto folder = output_ / "runs" / "tiny_column" / "tiny" / run;
     const auto series = analysis::read_snapshots(folder / "snapshots.h5");
     EXPECT_EQ(series.size(), 41u) << run;
     EXPECT_EQ(series.front().time, 0.0);
@@ -128,45 +164,125 @@ TEST_F(WholeChain, EveryRunLeavesNeutralSnapshots) {
 
 TEST_F(WholeChain, ReportDrawsInChromium) {
   const std::string page = testing::drawn_page(output_ / "report.html");
-  EXPECT_THAT(page, AllOf(HasSubstr("data-charts=\"3\""), HasSubstr("data-errors=\"0\"")));
+  EXPECT_THAT(page, AllOf(HasSubstr("data-errors=\"0\""), Not(HasSubstr("data-charts=\"0\""))));
   EXPECT_THAT(page, HasSubstr("A column of a hundred grains"));
 }
 
 TEST_F(WholeChain, CheckSaysTheVerdictByItsExitCode) {
+  const TestFolder baseline;
   const auto verdict = results()["verdict"].get<std::string>();
-  const auto result = run_program({"talus-validate", "check", "--output", output_.string()});
+  const auto result = judged("check", output_, baseline.path(), {"--gate", "truth"});
   EXPECT_EQ(result.exit_code, verdict == "PASS" ? 0 : verdict == "FAIL" ? 1 : 3);
-  EXPECT_THAT(result.output, HasSubstr("verdict: " + verdict));
+  EXPECT_THAT(result.output, HasSubstr("truth verdict: " + verdict));
 }
 
-TEST_F(WholeChain, ReportIsMadeAgainFromTheStoredRuns) {
+TEST_F(WholeChain, UnchangedRunsAreNotMadeAgainAndForceMakesThem) {
+  const auto again = validate("run", tiny_suite, output_, {"--no-report"});
+  EXPECT_EQ(again.exit_code, 0) << again.output;
+  EXPECT_THAT(again.output, HasSubstr("0 of 8 runs to make"));
+  const auto one =
+      validate("run", tiny_suite, output_, {"--force", "--only", "tiny_column/tiny/continuum_coarse"});
+  EXPECT_THAT(one.output, HasSubstr("1 of 1 runs to make"));
+  EXPECT_TRUE(std::filesystem::exists(output_ / "results.json"));
+  EXPECT_EQ(validate("run", tiny_suite, output_, {"--only", "tiny_column/a"}).exit_code, 2);
+}
+
+TEST_F(WholeChain, ListTellsCostAndWhatIsThere) {
+  const TestFolder temporary;
+  const auto file = temporary.path() / "list.json";
+  const auto listed = run_program(
+      {"talus-validate", "list", tiny_suite, "--output", output_.string(), "--json", file.string()});
+  EXPECT_EQ(listed.exit_code, 0) << listed.output;
+  const auto list = json_of(file);
+  ASSERT_EQ(list["runs"].size(), 8u);
+  for (const auto& run : list["runs"]) {
+    EXPECT_EQ(run["state"], "stored");
+    EXPECT_GT(run["expected_cpu_s"].get<double>(), 0.0);
+    EXPECT_GT(run["memory_mb"].get<double>(), 10.0);
+    EXPECT_TRUE(std::filesystem::exists(output_ / run["folder"].get<std::string>() / "record.json"));
+  }
+  run_program({"talus-validate", "list", tiny_suite, "--output", (temporary.path() / "none").string(),
+               "--json", file.string()});
+  EXPECT_EQ(json_of(file)["runs"][0]["state"], "missing");
+}
+
+TEST_F(WholeChain, ReportIsMadeAgainOfflineInAllFormats) {
+  auto result = run_program({"talus-validate", "report", "--output", output_.string()});
+  EXPECT_EQ(result.exit_code, 0) << result.output;
   const std::string before = read_file(output_ / "report.html");
   std::filesystem::remove(output_ / "report.html");
-  const auto result =
-      run_program({"/usr/bin/env", "PATH=/nowhere", program, "report", "--output", output_.string()});
+  result = run_program({"/usr/bin/env", "PATH=/nowhere", program, "report", "--output", output_.string()});
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_EQ(read_file(output_ / "report.html"), before);
+  result = run_program(
+      {"talus-validate", "report", "--output", output_.string(), "--pdf", "--junit", "--markdown"});
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_THAT(read_file(output_ / "report.pdf"), ::testing::StartsWith("%PDF"));
+  EXPECT_THAT(read_file(output_ / "report.xml"),
+              AllOf(HasSubstr("<testsuite"), HasSubstr("tiny_column/tiny")));
+  EXPECT_THAT(read_file(output_ / "report.md"), HasSubstr("tiny\\_column/tiny"));
+}
+
+TEST_F(WholeChain, TheDriftGateIsGreenOnWhatWasAcceptedAndRedOnWhatMoved) {
+  const TestFolder baseline, moved;
+  const auto gate = [&](const std::filesystem::path& output) {
+    return judged("check", output, baseline.path(), {"--gate", "drift"}).exit_code;
+  };
+  EXPECT_EQ(gate(output_), 3);
+  EXPECT_EQ(judged("accept", output_, baseline.path(), {"--reason", " "}).exit_code, 2);
+  const auto accepted = judged("accept", output_, baseline.path(), {"--reason", "the first"});
+  EXPECT_EQ(accepted.exit_code, 0) << accepted.output;
+  EXPECT_EQ(gate(output_), 0);
+  auto changed = results();
+  for (auto& run : changed["points"][0]["runs"]) {
+    if (run["code"] == "continuum") run["observables"]["x95"] = 1.2 * run["observables"]["x95"].get<double>();
+  }
+  std::ofstream(moved.path() / "results.json") << changed.dump();
+  EXPECT_EQ(gate(moved.path()), 1);
+  EXPECT_THAT(judged("check", moved.path(), baseline.path(), {"--annotate"}).output,
+              AllOf(HasSubstr("drift: tiny_column/tiny x95"), HasSubstr("::error")));
+  const auto compared = run_program({"talus-validate", "compare", output_.string(), moved.path().string(),
+                                     "--json", (moved.path() / "compare.json").string()});
+  EXPECT_EQ(compared.exit_code, 0) << compared.output;
+  EXPECT_THAT(compared.output, HasSubstr("+20.00 %"));
+  for (const auto& row : json_of(moved.path() / "compare.json")["rows"]) {
+    EXPECT_NEAR(row["change"].get<double>(), row["observable"] == "x95" ? 0.2 : 0.0, 1e-9)
+        << row["observable"];
+  }
 }
 
 TEST_F(WholeChain, CheckJudgesTheRunsNotTheWrittenVerdict) {
   const TestFolder temporary;
   const auto exit_code_of = [&](const nlohmann::json& changed) {
     std::ofstream(temporary.path() / "results.json") << changed.dump();
-    return run_program({"talus-validate", "check", "--output", temporary.path().string()}).exit_code;
+    return judged("check", temporary.path(), temporary.path(), {"--gate", "truth"}).exit_code;
   };
   auto changed = results();
   changed["verdict"] = "PASS";
-  for (auto& run : changed["cases"][0]["runs"]) {
+  for (auto& run : changed["points"][0]["runs"]) {
     run["observables"]["at_rest"] = true;  // a last grain may roll on in so small a column
-    if (run["backend"] == "continuum") run["observables"]["x95"] = 9.0;
+    if (run["code"].get<std::string>().starts_with("continuum")) run["observables"]["x95"] = 9.0;
   }
   EXPECT_EQ(exit_code_of(changed), 1);
-  for (auto& run : changed["cases"][0]["runs"]) run["observables"]["at_rest"] = false;
+  for (auto& run : changed["points"][0]["runs"]) run["observables"]["at_rest"] = false;
   EXPECT_EQ(exit_code_of(changed), 3);
-  changed["cases"] = nlohmann::json::array();
+  changed["points"] = nlohmann::json::array();
   EXPECT_EQ(exit_code_of(changed), 3);
-  changed.erase("cases");
+  changed.erase("points");
   EXPECT_EQ(exit_code_of(changed), 2);
+}
+
+TEST_F(WholeChain, StaleResultsNeverPass) {
+  const TestFolder temporary;
+  auto stale = results();
+  stale["calibration_hash"] = "another";
+  std::ofstream(temporary.path() / "results.json") << stale.dump();
+  const auto result = judged("check", temporary.path(), temporary.path());
+  EXPECT_THAT(result.exit_code, ::testing::AnyOf(1, 3));
+  EXPECT_THAT(result.output, AllOf(HasSubstr("stale: "), HasSubstr("calibration.toml")));
+  const auto accepted = judged("accept", temporary.path(), temporary.path(), {"--reason", "try"});
+  EXPECT_EQ(accepted.exit_code, 2);
+  EXPECT_THAT(accepted.output, HasSubstr("run the suite again before accepting"));
 }
 
 TEST_F(WholeChain, HalfWrittenResultsAreRefused) {
@@ -183,6 +299,20 @@ TEST_F(WholeChain, HalfWrittenResultsAreRefused) {
   result = run_program({"talus-validate", "check", "--output", folder.string()});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.output, HasSubstr("not complete"));
+}
+
+TEST_F(WholeChain, MutantsAreTriedAndTheTableSaysWhoWasFoundOut) {
+  const TestFolder temporary;
+  const auto table = temporary.path() / "mutants.json";
+  // The runs that are there serve the unbroken suite.
+  const auto result = validate("mutate", tiny_suite, output_, {"--json", table.string()});
+  EXPECT_THAT(result.exit_code, ::testing::AnyOf(0, 1)) << result.output;
+  const auto mutants = json_of(table);
+  ASSERT_EQ(mutants.size(), 2u);
+  EXPECT_EQ(mutants[0]["name"], "no_friction");
+  EXPECT_TRUE(mutants[0]["killed"].get<bool>()) << result.output;
+  EXPECT_EQ(result.exit_code == 0, mutants[1]["killed"].get<bool>());
+  EXPECT_EQ(results()["mutants"], mutants);
 }
 
 TEST(ValidateErrors, BadInputIsOneErrorExitCodeTwoAndNothingWritten) {
@@ -239,7 +369,7 @@ TEST(ValidateErrors, ARunOverItsTimeLimitFailsTheSuiteAndLeavesNoResults) {
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.output, AllOf(HasSubstr("yade seed 1"), HasSubstr("time limit of 1 s")));
   EXPECT_FALSE(std::filesystem::exists(folder / "out" / "results.json"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "out" / "runs" / "tiny_column" / "yade_seed1"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out" / "runs" / "tiny_column" / "tiny" / "yade_seed1"));
 }
 
 TEST(ValidateErrors, AnInterruptedRunLeavesNothingThatPassesForWhole) {
@@ -254,7 +384,7 @@ TEST(ValidateErrors, AnInterruptedRunLeavesNothingThatPassesForWhole) {
   EXPECT_THAT(result.output, HasSubstr("interrupted"));
   EXPECT_FALSE(std::filesystem::exists(output / "results.json"));
   EXPECT_FALSE(std::filesystem::exists(output / "report.html"));
-  EXPECT_FALSE(std::filesystem::exists(output / "runs" / "tiny_column" / "yade_seed1"));
+  EXPECT_FALSE(std::filesystem::exists(output / "runs" / "tiny_column" / "tiny" / "yade_seed1"));
   const auto check = run_program({"talus-validate", "check", "--output", output.string()});
   EXPECT_EQ(check.exit_code, 2);
 }

@@ -1,14 +1,17 @@
-// Case -> scene for `talus run`.
+#include "validation/backends/continuum.h"
+
 #include <fmt/format.h>
 
-#include <cmath>
 #include <fstream>
-#include <numbers>
+#include <nlohmann/json.hpp>
 
+#include "analysis/snapshot.h"
 #include "continuum/files/atomic_file.h"
-#include "continuum/files/checked_table.h"
+#include "continuum/files/input_error.h"
+#include "continuum/files/provenance.h"
+#include "dem_cases/measure.h"
 #include "dem_cases/process.h"
-#include "validation/backends/backend.h"
+#include "dem_cases/reference/plan.h"
 
 namespace talus::validation {
 namespace {
@@ -20,66 +23,10 @@ constexpr const char* log_name = "talus.out";
 std::filesystem::path talus_program() {
   const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "talus";
   if (std::filesystem::exists(program)) return program;
-  const auto beside = std::filesystem::path(program).parent_path().parent_path() / "bin" / "talus";
+  const auto beside = program.parent_path().parent_path() / "bin" / "talus";
   if (std::filesystem::exists(beside)) return beside;
   throw InputError(
       fmt::format("{}: the continuum solver is not there; build the target 'talus'", program.string()));
-}
-
-double degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
-
-/// Plane strain: y is periodic and one cell thick. The floor is as rough as the sand; walls take the case's
-/// friction. The domain is the tank, two column heights high, in whole cells.
-std::string scene_text(const RunRequest& request) {
-  const dem::ColumnGeometry& geometry = column_geometry(request.column);
-  const dem::Protocol& protocol = request.column.protocol;
-  const double h = geometry.column_length / request.resolution.cells_per_column_length;
-  const double length = h * std::ceil(geometry.tank_length / h - 1e-9);
-  const double height = h * std::ceil(2.0 * geometry.column_height / h - 1e-9);
-  const double friction_deg = degrees(request.material.friction_angle);
-  const double wall_deg = degrees(std::atan(request.column.contact.wall_friction));
-  return fmt::format(R"(# Written from {case_file}, seed {seed}, by talus-validate.
-schema = 1
-
-[domain]
-origin_m = [0.0, 0.0, 0.0]
-size_m = [{length:.17g}, {h:.17g}, {height:.17g}]
-cell_size_m = {h:.17g}
-gravity_m_s2 = [0.0, 0.0, {gravity:.17g}]
-periodic = ["y"]
-x_lower = {{ kind = "wall", friction_angle_deg = {wall:.17g} }}
-x_upper = {{ kind = "wall", friction_angle_deg = {wall:.17g} }}
-z_lower = {{ kind = "wall", friction_angle_deg = {friction:.17g} }}
-
-[[material]]
-name = "sand"
-grain_density_kg_m3 = {density:.17g}
-max_volume_fraction = {volume_fraction:.17g}
-friction_angle_deg = {friction:.17g}
-
-[[sand]]
-material = "sand"
-shape = {{ kind = "box", lower_m = [0.0, 0.0, 0.0], upper_m = [{column_length:.17g}, {h:.17g}, {column_height:.17g}] }}
-
-[particles]
-per_cell_axis = {per_axis}
-jitter = {jitter:.17g}
-seed = {seed}
-
-[time]
-end_s = {end:.17g}
-frame_interval_s = {interval:.17g}
-)",
-                     fmt::arg("case_file", request.column.file.filename().string()),
-                     fmt::arg("seed", request.seed), fmt::arg("length", length), fmt::arg("height", height),
-                     fmt::arg("h", h), fmt::arg("gravity", -protocol.gravity), fmt::arg("wall", wall_deg),
-                     fmt::arg("friction", friction_deg), fmt::arg("density", request.column.grains.density),
-                     fmt::arg("volume_fraction", request.material.max_volume_fraction),
-                     fmt::arg("column_length", geometry.column_length),
-                     fmt::arg("column_height", geometry.column_height),
-                     fmt::arg("per_axis", request.resolution.particles_per_cell_axis),
-                     fmt::arg("jitter", request.resolution.lattice_jitter),
-                     fmt::arg("end", protocol.run_time), fmt::arg("interval", protocol.snapshot_interval));
 }
 
 /// From the last "frame i/n" that the solver has told.
@@ -106,33 +53,82 @@ std::string last_line(const std::filesystem::path& file) {
   return last;
 }
 
+/// What left the domain is not in the deposit.
+void check_nothing_lost(const analysis::SnapshotSeries& series) {
+  const double released = series.front().volumes.sum();
+  for (const auto& snapshot : series) {
+    const double lost = 1.0 - snapshot.volumes.sum() / released;
+    if (std::abs(lost) > 1e-9) {
+      throw InputError(fmt::format("{:.3g} of the volume was gone at t = {:.4g} s: something left the domain",
+                                   lost, snapshot.time));
+    }
+  }
+}
+
+/// The far wall must not shape a deposit, nor its floor end under it.
+void check_clear_of_edges(const dem::Case& a_case, const analysis::SnapshotSeries& series) {
+  const auto error = [&](double time, const char* key) {
+    return InputError(fmt::format("at t = {:.4g} s something reached the edge: raise geometry.{} in {}", time,
+                                  key, a_case.file.string()));
+  };
+  for (const auto& snapshot : series) {
+    if (const auto* column = std::get_if<dem::ColumnGeometry>(&a_case.geometry)) {
+      if (snapshot.positions.row(0).maxCoeff() > column->tank_length - a_case.grains.diameter)
+        throw error(snapshot.time, "tank_length_m");
+    }
+    if (const auto* cylinder = std::get_if<dem::CylinderGeometry>(&a_case.geometry)) {
+      if (snapshot.positions.topRows(2).cwiseAbs().maxCoeff() >
+          0.5 * cylinder->floor_side - a_case.grains.diameter)
+        throw error(snapshot.time, "floor_side_m");
+    }
+  }
+}
+
+nlohmann::json measure_run(const ContinuumRequest& request, const std::filesystem::path& folder) {
+  const auto series = analysis::read_snapshots(folder / "snapshots.h5");
+  check_nothing_lost(series);
+  check_clear_of_edges(request.a_case, series);
+  const double thickness = cell_size(request.a_case, request.resolution.cells);
+  nlohmann::json measured = dem::measure(request.a_case, series, thickness);
+  measured["solver"] = nlohmann::json::parse(read_file(folder / "run.json")).at("budget");
+  measured["count"] = series.back().volumes.size();
+  measured["time_step_s"] = measured["solver"].at("longest_step_s");
+  measured["thickness_m"] = thickness;
+  return measured;
+}
+
 }  // namespace
 
-Backend make_continuum_backend(const RunRequest& request) {
-  if (!column_geometry(request.column).rough_floor) {
-    throw InputError(
-        fmt::format("{}: key 'geometry.floor': the continuum knows the wall friction of a rough floor only; "
-                    "a flat floor's is not in the calibration yet",
-                    request.column.file.string()));
-  }
-  Backend backend;
-  backend.version = dem::output_of({talus_program().string(), "--version"});
-  backend.version.erase(backend.version.find_last_not_of('\n') + 1);
+const std::string& continuum_version() {
+  static const std::string version = [] {
+    std::string text = dem::output_of({talus_program().string(), "--version"});
+    text.erase(text.find_last_not_of('\n') + 1);
+    return fmt::format("{}, file {}", text, sha256(read_file(talus_program())).substr(0, 16));
+  }();
+  return version;
+}
+
+dem::PlannedRun continuum_run(const ContinuumRequest& request) {
+  dem::PlannedRun run;
+  run.case_name = request.a_case.name;
+  run.point_name = request.a_case.point;
+  run.code = request.code;
+  run.seed = request.seed;
+  run.version = continuum_version();
   // The harness runs a job to a core.
-  backend.command = {talus_program().string(), "run", scene_name, "--output", ".", "--threads", "1"};
-  backend.log_file = log_name;
-  backend.thickness =
-      column_geometry(request.column).column_length / request.resolution.cells_per_column_length;
-  backend.write_input = [text = scene_text(request)](const auto& folder) {
+  run.command = {talus_program().string(), "run", scene_name, "--output", ".", "--threads", "1"};
+  run.log_file = log_name;
+  run.expected_cpu = expected_continuum_cpu(request.a_case, request.resolution);
+  run.time_limit = request.time_limit;
+  run.measurement = dem::measurement_of(request.a_case);
+  run.write_input = [text = continuum_scene(request.a_case, request.material, request.resolution,
+                                            request.seed, request.defects)](const auto& folder) {
     write_file_atomically(folder / scene_name, text);
   };
-  backend.progress = frames_done;
-  backend.failure_text = [](const auto& folder) { return last_line(folder / log_name); };
-  backend.read_output = [](const auto& folder) { return analysis::read_snapshots(folder / "snapshots.h5"); };
-  backend.solver_summary = [](const auto& folder) {
-    return nlohmann::json::parse(read_file(folder / "run.json"))["budget"];
-  };
-  return backend;
+  run.progress = frames_done;
+  run.failure_text = [](const auto& folder) { return last_line(folder / log_name); };
+  run.measure = [request](const auto& folder) { return measure_run(request, folder); };
+  return run;
 }
 
 }  // namespace talus::validation

@@ -1,37 +1,36 @@
-// The truth gate: does the continuum agree with the discrete codes? (The drift gate, against our own last
-// accepted results, is another thing.)
+// The truth gate: does the continuum agree with the discrete codes? (The drift gate, against our own last accepted results, is
+// another thing: drift.h.)
 //
-//   deviation = (continuum mean - reference mean) / reference mean    reference: all runs of the discrete codes
-//   u         = 2 s / sqrt(n) / reference mean                        s, n: standard deviation, number of those runs
+//   deviation = continuum mean / reference - 1        reference: the mean of the discrete codes' means (analysis/statistics/uncertainty.h)
+//   U         = k sqrt(u_ref^2 + u_num^2), k = 2      u_ref: seeds, codes and measuring; u_num: lattice seeds, cells and time step of
+//                                                     the continuum itself (numerical_uncertainty.h); standard uncertainties, relative
 //
-//   FAIL          |deviation| > band + u
-//   PASS          |deviation| <= band, and u <= band
-//   INCONCLUSIVE  otherwise, and whenever a run is missing, not finite, not at rest, or did not converge
+//   FAIL          |deviation| > band + U              outside the practical band, and not by chance
+//   PASS          |deviation| <= band and U <= band   inside it, and known well enough to say so
+//   INCONCLUSIVE  otherwise, and whenever a run is missing, not finite, not at rest or did not converge, or an uncertainty is unknown
+//
+// The band says what a user would call agreement; it stands in the case file with its reason. U is computed, never chosen.
+//
+// profile_L1 compares whole final profiles: the deviation is the area between the mean profiles over the reference's, never negative. Its
+// uncertainties are the same areas: between seeds and their mean, the codes' means, the coarse run and the standard one.
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <span>
-#include <string>
-#include <vector>
 
-#include "dem_cases/case.h"
+#include "validation/gates/verdict.h"
 
 namespace talus::validation {
 
-enum class Verdict { pass, inconclusive, fail };
-
-/// "PASS", "INCONCLUSIVE", "FAIL".
-std::string verdict_text(Verdict verdict);
-
-/// The worse of two: FAIL over INCONCLUSIVE over PASS.
-Verdict worse(Verdict a, Verdict b);
+inline constexpr double coverage_factor = 2.0;
 
 struct TruthJudgement {
-  nlohmann::json summary;  // one entry per observable, as results.json has them
+  nlohmann::json rows;  // one entry an observable, as results.json has them ("truth")
   Verdict verdict;
 };
 
-/// `runs` as in results.json: backend, seed, status, observables, solver.
-TruthJudgement judge_truth(std::span<const dem::ObservableBand> bands, const nlohmann::json& runs);
+/// `point`: of results.json, with "bands" [{observable, unit, band, why, measuring}] and "runs". `measuring` is the standard uncertainty
+/// that the ruler itself adds, in the observable's unit. A point without the continuum's runs has no judgement: no rows, and
+/// inconclusive.
+TruthJudgement judge_truth(const nlohmann::json& point);
 
 }  // namespace talus::validation

@@ -55,11 +55,9 @@ void write_report(const nlohmann::json& results, const nlohmann::json& pictures,
                   const std::filesystem::path& file) {
   const std::string results_text = embeddable(results);
   const std::string pictures_text = embeddable(pictures);
-  const std::array<std::pair<std::string_view, std::string_view>, 7> parts{{
+  const std::array<std::pair<std::string_view, std::string_view>, 5> parts{{
       {"style", page_parts::style},
       {"chart.js", page_parts::chart_js},
-      {"tables", page_parts::tables},
-      {"figures", page_parts::figures},
       {"script", page_parts::script},
       {"results", results_text},
       {"pictures", pictures_text},

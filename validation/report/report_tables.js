@@ -1,150 +1,65 @@
-// Words, numbers and tables. All text reaches the page as text nodes, never as markup.
+// The tables of one point: verdicts, uncertainty budget, drift, runs, facts.
 "use strict";
 
-const ABSENT = "–";
+const dataLabel = ({label, unit}) => unit ? `${label} (${unit})` : label;
 
-const BACKENDS = {
-  continuum: {label: "Continuum", items: "particles", line: "", dash: []},
-  liggghts: {label: "LIGGGHTS", items: "grains", line: "dashed", dash: [7, 3]},
-  yade: {label: "YADE", items: "grains", line: "dotted", dash: [2, 2.5]},
-};
-const backendOf = (name) => BACKENDS[name] ?? {label: String(name), items: "items", line: "", dash: [9, 3, 2, 3]};
-
-// Label and unit of what a run reports; a key that is not here is shown under its own name.
-const QUANTITIES = {
-  x90: ["x90", "L₀"],
-  x95: ["x95", "L₀"],
-  centre_of_mass: ["centre of mass", "L₀"],
-  runout: ["runout", "L₀"],
-  final_height: ["final height", "L₀"],
-  stop_time: ["stop time", "s"],
-  settled_height: ["settled height", "L₀"],
-  settled_volume_fraction: ["settled volume fraction", "1"],
-  lost_volume: ["lost volume", "1"],
-  at_rest: ["at rest", ""],
-  steps: ["steps", ""],
-  cap_hits: ["cap hits", ""],
-  friction_iterations: ["friction iterations", ""],
-  pressure_iterations: ["pressure iterations", ""],
-  converged: ["converged", ""],
-  mass_error: ["mass error", "1"],
-  rayleigh_fraction: ["step / Rayleigh time", "1"],
-  hertz_fraction: ["step / Hertz time", "1"],
-};
-const quantityOf = (key) => QUANTITIES[key] ?? [String(key).replaceAll("_", " "), ""];
-
-/** An element: make("p", {class: "muted"}, "text", childElement, ...). */
-function make(tag, attributes = {}, ...children) {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) {
-    if (value !== undefined && value !== null) element.setAttribute(name, value);
-  }
-  element.append(...children.filter((child) => child !== null && child !== undefined));
-  return element;
+/**
+ * A table under its caption, which stays in sight where the table scrolls. `columns`: {label, unit?, type?: "number" | "why"};
+ * `rows`: lists of cells (text, element, or a list of them), the first of which is the row's heading. Of kind "cards" it becomes
+ * one card for each row on a phone; the roles say again what the elements are, for that layout takes the table's display away.
+ */
+function table(caption, columns, rows, kind = "") {
+  const head = columns.map(({label, unit, type}) =>
+      make("th", {scope: "col", role: "columnheader", class: type}, label, unit ? make("small", {}, unit) : null));
+  const body = rows.map((cells) => make("tr", {role: "row"}, ...cells.map((cell, k) => k === 0 ?
+      make("th", {scope: "row", role: "rowheader"}, cell) :
+      make("td", {role: "cell", "data-label": dataLabel(columns[k]), class: columns[k].type}, make("div", {class: "value"}, cell)))));
+  return make("div", {class: "framed"}, make("p", {class: "caption"}, caption),
+      make("div", {class: "scroller", role: "group", tabindex: "0", "aria-label": caption},
+          make("table", {class: kind, role: "table", "aria-label": caption}, make("thead", {role: "rowgroup"}, make("tr", {role: "row"}, head)),
+              make("tbody", {role: "rowgroup"}, body))));
 }
 
-const isNumber = (value) => typeof value === "number" && Number.isFinite(value);
-
-/** "3.5e-5" as 3.5 × 10⁻⁵. */
-function powerOfTen(text) {
-  const [digits, power] = text.split("e");
-  const raised = [...String(Number(power))].map((c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]).join("");
-  return `${digits} × 10${raised}`;
-}
-
-/** Three decimals for what is near one, otherwise as many digits as say something. */
-function number(value) {
-  if (!isNumber(value)) return ABSENT;
-  const size = Math.abs(value);
-  let text;
-  if (Number.isInteger(value) && size < 1e15) {
-    text = value.toLocaleString("en").replaceAll(",", "\u202f");
-  } else if (size >= 1e6 || size < 1e-3) {
-    text = powerOfTen(value.toExponential(2));
-  } else {
-    text = size >= 100 ? value.toFixed(1) : value.toFixed(3);
-  }
-  return text.replace(/^-/, "−");
-}
-
-const percent = (value, signed) => {
-  if (!isNumber(value)) return ABSENT;
-  const text = `${Math.abs(100 * value).toFixed(1)} %`;
-  return signed ? (value < 0 ? "−" : "+") + text : text;
-};
-
-/** What was put in, not measured: every digit that was given and no more. */
-function exactly(value) {
-  const size = Math.abs(value);
-  const text = value !== 0 && (size < 1e-3 || size >= 1e6) ? powerOfTen(value.toExponential()) : String(value);
-  return text.replace(/^-/, "−");
-}
-
-/** Any value of the data as text. */
-function words(value, numberText = number) {
-  if (value === null || value === undefined || value === "") return ABSENT;
-  if (typeof value === "boolean") return value ? "yes" : "no";
-  if (typeof value === "number") return numberText(value);
-  if (Array.isArray(value) && value.every((part) => typeof part !== "object")) {
-    return value.map((part) => words(part, numberText)).join(", ");
-  }
-  return typeof value === "object" ? JSON.stringify(value) : String(value);
-}
-
-function badge(verdict) {
-  const sign = {PASS: "✓", FAIL: "✕", INCONCLUSIVE: "?"}[verdict];
-  const text = sign ? `${sign} ${verdict}` : words(verdict);
-  return make("span", {class: sign ? `badge ${verdict}` : "badge"}, make("span", {}, text));
-}
-
-/** The line sample that stands for a backend in tables, as in the charts. */
-function swatch(backend) {
-  const line = make("span", {class: `swatch ${backendOf(backend).line}`, "aria-hidden": "true"});
-  line.style.borderTopColor = `var(--${backend in BACKENDS ? backend : "other"})`;
-  return line;
-}
-
-const headCell = (label, unit) => make("th", {scope: "col"}, label, unit ? make("small", {}, unit) : null);
-
-function scroller(label, table) {
-  return make("div", {class: "scroller", role: "region", tabindex: "0", "aria-label": label}, table);
-}
+const withUnit = (row) => unitText(row.unit) ? `${labelOf(row.observable)} (${unitText(row.unit)})` : labelOf(row.observable);
 
 /** Mean, spread and number of one ensemble. */
-function ensembleCell(label, statistics) {
-  const cell = make("td", {"data-label": label, role: "cell"});
-  if (!isNumber(statistics?.mean)) {
-    cell.append(ABSENT);
-    return cell;
-  }
-  const spread = isNumber(statistics.sd) ? ` ± ${Math.abs(statistics.mean) < 100 ? statistics.sd.toFixed(3) : number(statistics.sd)}` : "";
+function ensembleCell(statistics) {
+  if (!isNumber(statistics?.mean)) return ABSENT;
+  const size = Math.abs(statistics.mean);  // the spread to the digits of the mean
+  const spread = isNumber(statistics.sd) && statistics.n !== 1 ?
+      ` ± ${size >= 0.1 && size < 100 && statistics.sd >= 0.001 ? statistics.sd.toFixed(3) : number(statistics.sd)}` : "";
   const count = isNumber(statistics.n) ? make("small", {}, `n = ${statistics.n}`) : null;
-  cell.append(make("span", {class: "number"}, number(statistics.mean) + spread, count));
-  return cell;
+  return make("span", {class: "number"}, number(statistics.mean) + spread, count);
 }
 
-// The roles say again what the elements are, for the phone layout takes the table's display away.
-function verdictTable(summary) {
-  const table = make("table", {class: "verdicts", role: "table"});
-  table.append(make("caption", {}, "Mean ± standard deviation over n runs. Deviation: continuum against the DEM mean."));
-  const titles = ["Observable", "Continuum", "LIGGGHTS", "YADE", "DEM mean", "Deviation", "Band", "Verdict", "Why"];
-  table.append(make("thead", {role: "rowgroup"}, make("tr", {role: "row"}, ...titles.map(
-      (title) => make("th", {scope: "col", role: "columnheader", class: title === "Why" ? "why" : null}, title)))));
-  const rows = summary.map((row) => {
-    const [label, unit] = quantityOf(row.observable);
-    const shown = {L0: "L₀"}[row.unit] ?? row.unit ?? unit;
-    return make("tr", {role: "row"},
-        make("th", {scope: "row", role: "rowheader"}, shown && shown !== "1" ? `${label} (${shown})` : label),
-        ensembleCell("Continuum", row.continuum), ensembleCell("LIGGGHTS", row.liggghts),
-        ensembleCell("YADE", row.yade), ensembleCell("DEM mean", row.reference),
-        make("td", {"data-label": "Deviation", role: "cell", class: "number"}, percent(row.deviation, true)),
-        make("td", {"data-label": "Band", role: "cell", class: "number"},
-            isNumber(row.band) ? `±${percent(row.band, false)}` : ABSENT),
-        make("td", {"data-label": "Verdict", role: "cell"}, badge(row.verdict)),
-        make("td", {"data-label": "Why", role: "cell", class: "why"}, words(row.why)));
-  });
-  table.append(make("tbody", {role: "rowgroup"}, ...rows));
-  return scroller("Verdicts", table);
+const verdictCell = (row) => [badge(row.verdict), make("small", {class: "why"}, words(row.why).replaceAll(" %", "\u00a0%"))];
+
+function truthTable(rows) {
+  const figure = (label) => ({label, type: "number"});
+  return table("Mean ± standard deviation over n runs; deviation from the DEM reference; practical band; k·u, the expanded uncertainty of the comparison",
+      [{label: "Observable"}, figure("Continuum"), figure("LIGGGHTS"), figure("YADE"), figure("DEM reference"), figure("Deviation"), figure("Band"),
+       figure("k·u"), {label: "Verdict"}],
+      rows.map((row) => [withUnit(row), ensembleCell(row.continuum), ensembleCell(row.liggghts), ensembleCell(row.yade), number(row.reference),
+        percent(row.deviation, row.observable !== "profile_L1"), plusMinus(row.band), plusMinus(row.uncertainty), verdictCell(row)]), "cards");
+}
+
+function budgetTable(rows) {
+  const share = (label, unit) => ({label, unit, type: "number"});
+  return table("Uncertainty budget: relative standard uncertainties of both sides, and k·u = k √(u² of DEM + u² of the continuum)",
+      [{label: "Observable"}, share("seeds", "DEM"), share("codes", "DEM"), share("measuring", "DEM"), share("u", "DEM"), share("seeds", "continuum"),
+       share("grid", "continuum"), share("time step", "continuum"), share("u", "continuum"), share("k"), share("k·u"), {label: "Where the band comes from", type: "why"}],
+      rows.map((row) => {
+        const dem = row.u_reference ?? {}, own = row.u_numerical ?? {};
+        return [labelOf(row.observable), ...[dem.seeds, dem.codes, dem.measuring, dem.combined, own.seeds, own.grid, own.time_step,
+          own.combined].map((u) => finePercent(u)), number(row.coverage_factor), finePercent(row.uncertainty), words(row.band_why)];
+      }), "cards");
+}
+
+function driftTable(rows, caption = "Drift gate: continuum now against the accepted baseline.") {
+  return table(caption, [{label: "Observable"}, {label: "Baseline", type: "number"}, {label: "Now", type: "number"},
+    {label: "Change", type: "number"}, {label: "Tolerance", type: "number"}, {label: "Verdict"}],
+  rows.map((row) => [row.heading ?? withUnit(row), number(row.baseline), number(row.now), finePercent(row.change, true),
+    isNumber(row.tolerance) ? `±${finePercent(row.tolerance)}` : ABSENT, verdictCell(row)]), "cards");
 }
 
 /** Keys that any run has under `part`, the known ones first and in their order. */
@@ -155,31 +70,39 @@ function keysOf(runs, part) {
 }
 
 /** One row for each run. `columns`: [label, unit, run => value]. */
-function runTable(caption, runs, columns) {
-  const table = make("table", {class: "runs"}, make("caption", {}, caption));
-  table.append(make("thead", {}, make("tr", {}, headCell("Run"), ...columns.map(([label, unit]) => headCell(label, unit)))));
-  const rows = runs.map((run) => make("tr", {},
-      make("th", {scope: "row"}, swatch(run.backend), `${backendOf(run.backend).label}, seed\u00a0${words(run.seed)}`),
-      ...columns.map(([, , value]) => make("td", {class: "number"}, words(value(run))))));
-  table.append(make("tbody", {}, ...rows));
-  return scroller(caption, table);
+function runTable(caption, runs, columns, kind = "runs") {
+  const titles = columns.map(([label, unit]) => ({label, unit, type: kind === "runs" ? "number" : ""}));
+  return table(caption, [{label: "Run"}, ...titles], runs.map((run) =>
+      [[swatch(run.code), `${codeOf(run.code).label}, seed\u00a0${words(run.seed)}`], ...columns.map(([, , value]) => words(value(run)))]), kind);
 }
 
-function runTables(runs) {
+/** The other way round where there are many keys: one row for each key, one column for each run. */
+function keyTable(caption, runs, part) {
+  const titles = runs.map((run) => ({label: `${codeOf(run.code).label}, seed\u00a0${words(run.seed)}`, type: "number"}));
+  return table(caption, [{label: "Quantity"}, ...titles], keysOf(runs, part).map((key) =>
+      [labelOf(key), ...runs.map((run) => words(run[part]?.[key]))]), "runs");
+}
+
+function runTables(runs, lengthUnit) {
+  const unitOf = (unit) => unit === "length" ? (unitText(lengthUnit?.symbol) || "m") : unit === "1" ? "" : unit;
   const from = (part) => keysOf(runs, part).map((key) => {
     const [label, unit] = quantityOf(key);
-    return [label, unit === "1" ? "" : unit, (run) => run[part]?.[key]];
+    return [label, unitOf(unit), (run) => run[part]?.[key]];
   });
   const seconds = (key) => (run) => isNumber(run[key]) ? run[key].toFixed(1) : null;
-  const cost = [
-    ["CPU", "s", seconds("cpu_s")], ["wall", "s", seconds("wall_s")], ["items", "", (run) => run.count],
-    ["time step", "s", (run) => isNumber(run.time_step_s) ? powerOfTen(run.time_step_s.toExponential(1)) : null],
-    ...from("solver"), ...from("preflight"), ["version", "", (run) => run.version],
-  ];
-  return [
-    runTable("What each run measured (lengths over L₀)", runs, [["status", "", (run) => run.status], ...from("observables")]),
+  const exponent = (key) => (run) => isNumber(run[key]) ? powerOfTen(run[key].toExponential(1)) : null;
+  const cost = [["CPU", "s", seconds("cpu_s")], ["wall", "s", seconds("wall_s")], ["items", "", (run) => run.count],
+    ["time step", "s", exponent("time_step_s")], ["thickness", "mm", (run) => isNumber(run.thickness_m) ? 1000 * run.thickness_m : null],
+    ["origin", "", (run) => run.origin]];
+  const tables = [
+    runTable("What each run measured", runs, [["status", "", (run) => run.status], ...from("observables")]),
     runTable("What each run took", runs, cost),
   ];
+  for (const [part, caption] of [["solver", "What the solver says of itself"], ["preflight", "Checks before the discrete runs"]]) {
+    const told = runs.filter((run) => run[part]);
+    if (told.length) tables.push(keyTable(caption, told, part));
+  }
+  return tables;
 }
 
 /** Small tables of keys and values: one for the plain values of `data`, one for each object in it, and so down. */
@@ -188,9 +111,17 @@ function factTables(title, data) {
   const entries = Object.entries(data ?? {});
   const rows = entries.filter(([, value]) => !nested(value)).map(([key, value]) =>
       make("tr", {}, make("th", {scope: "row"}, key), make("td", {}, words(value, exactly))));
-  const tables = rows.length ? [make("table", {}, make("caption", {}, title), make("tbody", {}, ...rows))] : [];
+  const tables = rows.length ? [make("table", {}, make("caption", {}, title), make("tbody", {}, rows))] : [];
   for (const [key, value] of entries.filter(([, part]) => nested(part))) {
     tables.push(...factTables(`${title}: ${key}`, value));
   }
   return tables;
+}
+
+/** What made each run: enough to find it again; all that is known of it is in results.json. */
+function originTable(runs) {
+  const short = (hash) => hash ? String(hash).slice(0, 12) : null;
+  return runTable("What made each run", runs, [["version", "", (run) => run.version], ["host", "", (run) => run.made_by?.host],
+    ["compiler", "", (run) => run.made_by?.compiler], ["git", "", (run) => short(run.made_by?.git_hash)], ["input hash", "", (run) => short(run.input_hash)],
+    ["command", "", (run) => Array.isArray(run.command) ? run.command.join(" ") : run.command]], "runs origins");
 }

@@ -8,10 +8,12 @@
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
 #include "continuum/files/provenance.h"
-#include "validation/backends/backend.h"
+#include "validation/mutants.h"
 
 namespace talus::validation {
 namespace {
+
+constexpr std::array<std::string_view, 3> code_names{"continuum", "liggghts", "yade"};
 
 std::filesystem::path suite_file(const std::string& name_or_file) {
   if (name_or_file.ends_with(".toml")) return name_or_file;
@@ -25,30 +27,131 @@ std::filesystem::path suite_file(const std::string& name_or_file) {
   return std::filesystem::path(TALUS_SUITE_FOLDER) / (name_or_file + ".toml");
 }
 
-SuiteCase read_suite_case(const CheckedTable& table, const std::filesystem::path& folder) {
-  SuiteCase entry;
-  entry.column = dem::read_case((folder / table.string("file")).lexically_normal());
-  entry.backends = table.strings("backends");
-  for (const auto& backend : entry.backends) {
-    if (std::find(backend_names.begin(), backend_names.end(), backend) == backend_names.end()) {
-      throw table.error("backends", fmt::format("must hold only: {}", fmt::join(backend_names, ", ")));
-    }
-    if (std::count(entry.backends.begin(), entry.backends.end(), backend) > 1) {
-      throw table.error("backends", "must not repeat an entry");
-    }
+/// What all points of a suite share.
+struct Common {
+  std::filesystem::path folder, calibration;
+  int particles_per_cell_axis;
+  double lattice_jitter;
+  std::vector<std::uint64_t> seeds;
+  bool refinement;
+};
+
+std::vector<std::uint64_t> read_seeds(const CheckedTable& table, const std::string& key) {
+  const auto seeds = table.integers(key, 0, std::numeric_limits<std::int64_t>::max(), true);
+  return {seeds.begin(), seeds.end()};
+}
+
+std::vector<std::string> read_codes(const CheckedTable& table) {
+  if (!table.has("codes")) return {code_names.begin(), code_names.end()};
+  auto codes = table.strings("codes");
+  for (const auto& code : codes) {
+    if (std::find(code_names.begin(), code_names.end(), code) == code_names.end())
+      throw table.error("codes", fmt::format("must hold only: {}", fmt::join(code_names, ", ")));
+    if (std::count(codes.begin(), codes.end(), code) > 1)
+      throw table.error("codes", "must not repeat an entry");
   }
-  entry.seeds = entry.column.seeds;
-  if (table.has("seeds")) {
-    const auto seeds = table.integers("seeds", 0, std::numeric_limits<std::int64_t>::max());
-    entry.seeds.assign(seeds.begin(), seeds.end());
+  return codes;
+}
+
+/// The points of one [[case]], each a whole case.
+std::vector<dem::Case> read_points(const CheckedTable& table, const std::filesystem::path& folder) {
+  const auto file = (folder / table.string("file")).lexically_normal();
+  auto all = dem::read_case_points(file);
+  if (!table.has("points")) return all;
+  std::vector<dem::Case> wanted;
+  for (const auto& name : table.strings("points")) {
+    const auto found = std::ranges::find_if(all, [&](const dem::Case& point) { return point.point == name; });
+    if (found == all.end()) {
+      std::vector<std::string> names;
+      for (const auto& point : all) names.push_back(point.point);
+      throw table.error(
+          "points", fmt::format("names no point of {}; it has: {}", file.string(), fmt::join(names, ", ")));
+    }
+    wanted.push_back(*found);
   }
-  entry.time_limit = table.number("time_limit_s", positive);
-  const CheckedTable cost = table.table("expected_cpu_s");
-  for (const auto& backend : entry.backends) entry.expected_cpu[backend] = cost.number(backend, positive);
-  for (const auto backend : backend_names) cost.has(backend);  // known, even where this case does not use it
-  cost.finish();
+  return wanted;
+}
+
+std::vector<SuitePoint> read_suite_case(const CheckedTable& table, const Common& common) {
+  SuitePoint shared{.a_case = {},
+                    .material = {},
+                    .resolution = {static_cast<int>(table.integer("cells", 4, 1000)),
+                                   common.particles_per_cell_axis, common.lattice_jitter},
+                    .refinement = common.refinement,
+                    .seeds = {},
+                    .stored = table.boolean("stored", false),
+                    .tags = {},
+                    .required = {},
+                    .time_limit = table.number("time_limit_s", positive)};
+  if (table.has("tags")) {
+    const auto tags = table.strings("tags");
+    shared.tags = {tags.begin(), tags.end()};
+  }
+  if (table.has("requires")) shared.required = table.strings("requires");
+  const auto codes = read_codes(table);
+  std::map<std::string, std::vector<std::uint64_t>> own_seeds;
+  for (const std::string code : {"liggghts", "yade"}) {
+    if (table.has(code + "_seeds")) own_seeds[code] = read_seeds(table, code + "_seeds");
+  }
+  std::vector<SuitePoint> points;
+  for (auto& a_case : read_points(table, common.folder)) {
+    SuitePoint point = shared;
+    for (const auto& code : codes) {
+      if (code == "continuum")
+        point.seeds[code] = common.seeds;
+      else
+        point.seeds[code] = own_seeds.contains(code) ? own_seeds.at(code) : a_case.reference_seeds[code];
+    }
+    point.material = dem::read_calibration(common.calibration, a_case.calibration);
+    point.a_case = std::move(a_case);
+    points.push_back(std::move(point));
+  }
   table.finish();
-  return entry;
+  return points;
+}
+
+Common read_common(const CheckedTable& root, const std::filesystem::path& folder,
+                   const std::filesystem::path& calibration) {
+  const CheckedTable table = root.table("continuum");
+  Common common{
+      .folder = folder,
+      .calibration = calibration,
+      .particles_per_cell_axis = static_cast<int>(table.integer("particles_per_cell_axis", 2, 8)),
+      .lattice_jitter = table.number("lattice_jitter", {0.0, 1.0}),
+      .seeds = {},
+      .refinement = table.boolean("refinement", false),
+  };
+  const auto seeds = table.integers("seeds", 0, std::numeric_limits<std::int64_t>::max());
+  common.seeds = {seeds.begin(), seeds.end()};
+  table.finish();
+  return common;
+}
+
+std::vector<std::string> read_mutants(const CheckedTable& root) {
+  if (!root.has("mutants")) return {};
+  auto mutants = root.strings("mutants");
+  for (const auto& name : mutants) {
+    if (!find_mutant(name))
+      throw root.error("mutants", fmt::format("must hold only: {}", fmt::join(mutant_names(), ", ")));
+  }
+  return mutants;
+}
+
+/// Names tell results apart, and what is required must be there.
+void check_points(const CheckedTable& root, const Suite& suite) {
+  std::set<std::string> names;
+  for (const auto& point : suite.points) {
+    if (!names.insert(point.name()).second)
+      throw root.error("case",
+                       fmt::format("gives the point '{}' twice; names tell results apart", point.name()));
+  }
+  for (const auto& point : suite.points) {
+    for (const auto& required : point.required) {
+      if (!names.contains(required))
+        throw root.error("case", fmt::format("'{}' requires '{}', which is no point of this suite",
+                                             point.name(), required));
+    }
+  }
 }
 
 }  // namespace
@@ -64,7 +167,7 @@ std::vector<std::string> suite_names() {
 
 Suite read_suite(const std::string& name_or_file) {
   const CheckedTable root = CheckedTable::parse_file(suite_file(name_or_file));
-  root.require_schema(1);
+  root.require_schema(2);
   Suite suite;
   suite.file = root.file();
   const auto folder = suite.file.parent_path();
@@ -73,25 +176,29 @@ Suite read_suite(const std::string& name_or_file) {
   suite.calibration = (folder / root.string("calibration")).lexically_normal();
   suite.input_hash = sha256(read_file(suite.file));
   suite.calibration_hash = sha256(read_file(suite.calibration));
-  const CheckedTable resolution = root.table("continuum");
-  suite.resolution.cells_per_column_length =
-      static_cast<int>(resolution.integer("cells_per_column_length", 4, 1000));
-  suite.resolution.particles_per_cell_axis =
-      static_cast<int>(resolution.integer("particles_per_cell_axis", 2, 8));
-  suite.resolution.lattice_jitter = resolution.number("lattice_jitter", {0.0, 1.0});
-  resolution.finish();
-  for (const auto& table : root.tables("case")) {
-    suite.cases.push_back(read_suite_case(table, folder));
-    auto& column = suite.cases.back().column;
-    suite.cases.back().material = dem::read_calibration(suite.calibration, column.calibration);
-    const auto& name = column.name;
-    const auto same = [&](const SuiteCase& other) { return other.column.name == name; };
-    if (std::count_if(suite.cases.begin(), suite.cases.end(), same) > 1) {
-      throw table.error(
-          "file", fmt::format("is the second case named '{}' of this suite; names tell results apart", name));
-    }
-  }
+  suite.mutants = read_mutants(root);
+  const Common common = read_common(root, folder, suite.calibration);
+  for (const auto& table : root.tables("case"))
+    std::ranges::move(read_suite_case(table, common), std::back_inserter(suite.points));
+  check_points(root, suite);
   root.finish();
+  return suite;
+}
+
+Suite tagged(Suite suite, const std::string& tag) {
+  if (tag.empty()) return suite;
+  std::set<std::string> wanted, known;
+  for (const auto& point : suite.points) {
+    known.insert(point.tags.begin(), point.tags.end());
+    if (!point.tags.contains(tag)) continue;
+    wanted.insert(point.name());
+    wanted.insert(point.required.begin(), point.required.end());
+  }
+  if (wanted.empty()) {
+    throw InputError(fmt::format("{}: no case carries the tag '{}'; there are: {}", suite.file.string(), tag,
+                                 fmt::join(known, ", ")));
+  }
+  std::erase_if(suite.points, [&](const SuitePoint& point) { return !wanted.contains(point.name()); });
   return suite;
 }
 

@@ -57,6 +57,24 @@ TEST(PositiveShare, IsExactForLinearFunctions) {
   EXPECT_GT(cut, 1000);
 }
 
+// At the ledge of the pile-angle case z = 0 lay 1.4e-17 m above the grid's plane: the plane was open, and the bed slid on it.
+TEST(Openings, AWallAlongTheGridsPlanesClosesThemWhateverTheRoundOff) {
+  int rounded_up = 0;
+  for (const double spacing : {0.003, 0.0024, 0.0015, 0.1, 0.007}) {
+    for (int below = 3; below < 60; ++below) {
+      const Grid grid{
+          Vector3d(0.0, 0.0, -below * spacing), spacing, {2, 2, below + 2}, {false, false, false}};
+      const auto openings = make_openings(grid, plane({0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}));
+      rounded_up += grid.origin.z() + spacing * below > 0.0;
+      EXPECT_EQ(openings.face_share(2, grid.face_index(2, {0, 0, below})), 0.0) << spacing << ' ' << below;
+      EXPECT_EQ(openings.cell_share(grid.cell_index({0, 0, below - 1})), 0.0);
+      EXPECT_NEAR(openings.cell_share(grid.cell_index({0, 0, below})), 1.0, 1e-9);
+      EXPECT_NEAR(wall_area(grid, openings, {0, 0, below}).z(), 1.0, 1e-9);
+    }
+  }
+  EXPECT_GT(rounded_up, 10);
+}
+
 TEST(PositiveShare, CasesKnownByHand) {
   EXPECT_EQ(positive_share({1, 1, 1, 1}), 1.0);
   EXPECT_EQ(positive_share({-1, -1, -1, -1}), 0.0);

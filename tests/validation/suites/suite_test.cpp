@@ -12,6 +12,7 @@ namespace talus::validation {
 namespace {
 
 using ::testing::HasSubstr;
+using Seeds = std::vector<std::uint64_t>;
 
 /// The tiny suite with one thing changed and its paths made absolute, in `folder`; returns its path.
 std::string tiny_suite_with(const testing::TestFolder& folder, const std::string& from,
@@ -25,13 +26,51 @@ std::string tiny_suite_with(const testing::TestFolder& folder, const std::string
   return file.string();
 }
 
-TEST(Suite, SmokeRunsAllThreeCodesWithTwoSeedsEach) {
+TEST(Suite, SmokeRunsAllThreeCodesAfreshWithTwoSeedsEach) {
   const Suite suite = read_suite("smoke");
-  ASSERT_EQ(suite.cases.size(), 1u);
-  EXPECT_EQ(suite.cases[0].backends, (std::vector<std::string>{"continuum", "liggghts", "yade"}));
-  EXPECT_EQ(suite.cases[0].seeds.size(), 2u);
-  EXPECT_EQ(suite.cases[0].column.name, "column_collapse");
-  EXPECT_THAT(suite_names(), ::testing::Contains("smoke"));
+  ASSERT_EQ(suite.points.size(), 1u);
+  const SuitePoint& point = suite.points[0];
+  EXPECT_EQ(point.name(), "column_collapse/a_1");
+  for (const std::string code : {"continuum", "liggghts", "yade"})
+    EXPECT_EQ(point.seeds.at(code), (Seeds{1, 2})) << code;
+  EXPECT_FALSE(point.stored);
+  EXPECT_TRUE(point.refinement);
+  EXPECT_THAT(suite_names(), ::testing::IsSupersetOf({"smoke", "reference", "seed", "mutation"}));
+}
+
+TEST(Suite, ReferenceIsTheWholeMatrix) {
+  const Suite suite = read_suite("reference");
+  std::map<std::string, int> points;
+  for (const auto& point : suite.points) {
+    ++points[point.a_case.name];
+    EXPECT_TRUE(point.stored) << point.name();
+    EXPECT_EQ(point.seeds.contains("continuum"), point.a_case.kind != "heap") << point.name();
+    EXPECT_EQ(point.seeds.at("liggghts"), point.a_case.reference_seeds.at("liggghts")) << point.name();
+  }
+  const std::map<std::string, int> all{{"column_collapse", 10},
+                                       {"cylinder_collapse", 6},
+                                       {"slot", 6},
+                                       {"hourglass", 4},
+                                       {"ledge", 2},
+                                       {"heap", 2}};
+  EXPECT_EQ(points, all);
+}
+
+TEST(Suite, AllThatComeWithTalusAreSound) {
+  for (const auto& name : suite_names()) EXPECT_EQ(read_suite(name).name, name);
+}
+
+TEST(Suite, ATagSelectsItsPointsAndWhatTheyRequire) {
+  const Suite suite = tagged(read_suite("reference"), "discharge");
+  for (const auto& point : suite.points)
+    EXPECT_THAT(point.a_case.kind, ::testing::AnyOf("slot", "hourglass"));
+  EXPECT_EQ(suite.points.size(), 10u);
+  EXPECT_THAT(testing::input_error([] { tagged(read_suite("smoke"), "slow"); }),
+              HasSubstr("there are: quick"));
+  Suite linked = read_suite("reference");
+  linked.points[0].tags = {"mine"};
+  linked.points[0].required = {"ledge/length_32d"};
+  EXPECT_EQ(tagged(linked, "mine").points.size(), 2u);
 }
 
 TEST(Suite, RefusesWhatCannotBeMeant) {
@@ -39,20 +78,24 @@ TEST(Suite, RefusesWhatCannotBeMeant) {
   const auto error = [&](const std::string& from, const std::string& to) {
     return testing::input_error([&] { read_suite(tiny_suite_with(folder, from, to)); });
   };
-  EXPECT_NO_THROW(read_suite(tiny_suite_with(folder, "seeds = [1, 2]", "seeds = [1, 3]")));
+  EXPECT_NO_THROW(read_suite(tiny_suite_with(folder, "liggghts_seeds = [1, 2]", "liggghts_seeds = [1, 3]")));
   EXPECT_THAT(testing::input_error([] { read_suite("smok"); }), HasSubstr("did you mean 'smoke'"));
   EXPECT_THAT(testing::input_error([] { read_suite("/nowhere/suite.toml"); }), HasSubstr("no such file"));
-  EXPECT_THAT(error("\"yade\"]", "\"yad\"]"), HasSubstr("must hold only: continuum, liggghts, yade"));
-  EXPECT_THAT(error("\"yade\"]", "\"liggghts\"]"), HasSubstr("must not repeat"));
-  EXPECT_THAT(error("seeds = [1, 2]", "seeds = [1, 1]"), HasSubstr("must not repeat"));
-  EXPECT_EQ(read_suite(tiny_suite_with(folder, "seeds = [1, 2]", "")).cases[0].seeds.size(), 3u);
-  const std::string twice = "[[case]]\nfile = \"" TALUS_SOURCE_DIR
-                            "/tests/dem_cases/data/tiny_column.toml\"\nbackends = "
-                            "[\"yade\"]\ntime_limit_s = 1.0\nexpected_cpu_s.yade = 1.0\n[[case]]";
-  EXPECT_THAT(error("[[case]]", twice), HasSubstr("second case named 'tiny_column'"));
-  EXPECT_THAT(error("yade = 5.0", ""), HasSubstr("expected_cpu_s.yade"));
+  EXPECT_THAT(error("cells = 10", "cells = 10\ncodes = [\"yad\"]"),
+              HasSubstr("must hold only: continuum, liggghts, yade"));
+  EXPECT_THAT(error("cells = 10", "cells = 10\ncodes = [\"yade\", \"yade\"]"), HasSubstr("must not repeat"));
+  EXPECT_THAT(error("liggghts_seeds = [1, 2]", "liggghts_seeds = [1, 1]"), HasSubstr("must not repeat"));
+  EXPECT_THAT(error("cells = 10", "cells = 10\npoints = [\"a_7\"]"), HasSubstr("it has: tiny"));
+  EXPECT_THAT(error("cells = 10", "cells = 10\nrequires = [\"tiny_column/a_7\"]"),
+              HasSubstr("which is no point of this suite"));
+  EXPECT_THAT(error("\"no_friction\"", "\"no_fiction\""), HasSubstr("must hold only: no_friction"));
+  const std::string twice =
+      "[[case]]\nfile = \"" TALUS_SOURCE_DIR
+      "/tests/dem_cases/data/tiny_column.toml\"\ncells = 10\ntime_limit_s = 1.0\n[[case]]";
+  EXPECT_THAT(error("[[case]]", twice), HasSubstr("'tiny_column/tiny' twice"));
   EXPECT_THAT(error("time_limit_s", "time_limit_min"), HasSubstr("'case[0].time_limit_s': is missing"));
   EXPECT_THAT(error("tiny_column.toml", "absent.toml"), HasSubstr("absent.toml: no such file"));
+  EXPECT_THAT(error("schema = 2", "schema = 1"), HasSubstr("schema"));
 }
 
 }  // namespace

@@ -1,0 +1,22 @@
+// Keeps other programs out of a folder of runs for as long as it lives.
+#pragma once
+
+#include <filesystem>
+
+namespace talus::dem {
+
+enum class Sharing { alone, shared };  // shared: with others that share it
+
+class FolderLock {
+ public:
+  /// Makes the folder. Throws InputError when another program has it.
+  explicit FolderLock(const std::filesystem::path& folder, Sharing sharing = Sharing::alone);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+}  // namespace talus::dem

@@ -1,0 +1,33 @@
+// The continuum solver as one more code that runs a case: a PlannedRun of the program `talus`.
+#pragma once
+
+#include "dem_cases/planned_run.h"
+#include "validation/backends/continuum_scene.h"
+
+namespace talus::validation {
+
+/// The code's names: the runs that are judged, and those that tell how far their figures hang on cells and time steps.
+inline constexpr const char* continuum_code = "continuum";
+inline constexpr const char* coarse_code = "continuum_coarse";            // cells twice as large
+inline constexpr const char* short_steps_code = "continuum_short_steps";  // half the time step
+
+struct ContinuumRequest {
+  dem::Case a_case;
+  dem::MaterialConstants material;
+  ContinuumResolution resolution;
+  std::uint64_t seed;
+  std::string code = continuum_code;
+  Defects defects = {};
+  double time_limit;  // s
+};
+
+/// The program's own version text, and the hash of its file: two builds with uncommitted changes differ in the latter alone. Throws
+/// InputError when the program is not built.
+const std::string& continuum_version();
+
+/// The run's record holds, beside what dem::measure gives: "solver" (the budget's summary), "count" (particles at the end),
+/// "time_step_s" (the longest), "thickness_m". Its version names the program by its text and by the hash of its file. Throws
+/// InputError when the program is not built or the continuum cannot run the case.
+dem::PlannedRun continuum_run(const ContinuumRequest& request);
+
+}  // namespace talus::validation

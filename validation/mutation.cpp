@@ -1,0 +1,129 @@
+#include "validation/mutation.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+
+#include "continuum/files/input_error.h"
+#include "validation/backends/continuum.h"
+#include "validation/gates/truth.h"
+#include "validation/gates/values.h"
+#include "validation/mutants.h"
+
+namespace talus::validation {
+namespace {
+
+using nlohmann::json;
+
+/// The suite's continuum alone, without refinement: the uncertainties are known from the suite itself.
+Suite continuum_of(Suite suite) {
+  std::erase_if(suite.points, [](const SuitePoint& point) { return !point.seeds.contains(continuum_code); });
+  for (auto& point : suite.points) {
+    point.refinement = false;
+    std::erase_if(point.seeds, [](const auto& item) { return item.first != continuum_code; });
+  }
+  return suite;
+}
+
+/// The point with its continuum runs replaced by the mutant's.
+json mutated(json point, const std::vector<json>& records) {
+  json runs = json::array();
+  for (const auto& run : point.at("runs")) {
+    const std::string code = run.at("code");
+    if (code == "liggghts" || code == "yade") runs.push_back(run);
+  }
+  for (const auto& record : records) runs.push_back(record);
+  point["runs"] = runs;
+  return point;
+}
+
+/// What the gate says of a row by the uncertainty that it has without the mutant.
+bool found_out(const json& before, double deviation) {
+  if (before.at("verdict") == "FAIL" || !before.at("uncertainty").is_number()) return false;
+  return std::abs(deviation) > before.at("band").get<double>() + before.at("uncertainty").get<double>();
+}
+
+void judge_point(const json& point, const std::vector<json>& records, json& mutant) {
+  const auto rows = judge_truth(mutated(point, records)).rows;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& before = point.at("truth").at(i);
+    const auto& deviation = rows[i].at("deviation");
+    const bool fails = deviation.is_number() && found_out(before, deviation);
+    mutant["rows"].push_back({{"name", point.at("name")},
+                              {"observable", before.at("observable")},
+                              {"deviation", deviation},
+                              {"before", before.at("deviation")},
+                              {"verdict", fails ? "FAIL" : before.at("verdict").get<std::string>()}});
+    if (fails) {
+      mutant["by"].push_back(
+          {{"name", point.at("name")}, {"observable", before.at("observable")}, {"verdict", "FAIL"}});
+    }
+  }
+}
+
+json try_mutant(const Mutant& mutant, const Suite& suite, const json& results,
+                const std::filesystem::path& output, const MakingOptions& options) {
+  spdlog::info("mutant: {}", mutant.title);
+  json tried{{"name", mutant.name}, {"title", mutant.title}, {"rows", json::array()}, {"by", json::array()}};
+  const auto runs = plan_runs(suite, output / "mutants" / mutant.name, mutant.defects);
+  try {
+    make_runs(runs, options);
+  } catch (const RunError&) {
+    if (options.stop()) throw;  // a failure is an answer, and found below
+  }
+  tried["runs"] = runs.size();
+  for (const auto& point : results.at("points")) {
+    std::vector<json> records;
+    bool failed = false;
+    for (const auto& run : runs) {
+      if (run.point != point.at("name")) continue;
+      if (auto found = find_record(run))
+        records.push_back(std::move(found->record));
+      else
+        failed = true;
+    }
+    if (failed)
+      tried["by"].push_back(
+          {{"name", point.at("name")}, {"observable", "the run itself"}, {"verdict", "run failed"}});
+    else if (!records.empty())
+      judge_point(point, records, tried);
+  }
+  tried["killed"] = !tried["by"].empty();
+  return tried;
+}
+
+}  // namespace
+
+json try_mutants(const Suite& suite, const json& results, const std::filesystem::path& output,
+                 const MakingOptions& options) {
+  if (suite.mutants.empty()) {
+    throw InputError(
+        fmt::format("{}: key 'mutants': is missing; name what shall be tried", suite.file.string()));
+  }
+  const Suite continuum = continuum_of(suite);
+  json tried = json::array();
+  for (const auto& name : suite.mutants)
+    tried.push_back(try_mutant(*find_mutant(name), continuum, results, output, options));
+  return tried;
+}
+
+std::string mutants_text(const json& mutants) {
+  std::string text;
+  int survivors = 0;
+  for (const auto& mutant : mutants) {
+    const bool killed = mutant.at("killed");
+    survivors += killed ? 0 : 1;
+    std::string by;
+    for (const auto& row : mutant.at("by")) {
+      by += fmt::format("{}{} {}{}", by.empty() ? "" : ", ", row.at("name").get<std::string>(),
+                        row.at("observable").get<std::string>(),
+                        row.at("verdict") == "run failed" ? " (run failed)" : "");
+    }
+    text += fmt::format("{:<36}{}{}\n", mutant.at("title").get<std::string>(),
+                        killed ? "found out by " : "SURVIVES", by);
+  }
+  return text + fmt::format("{} of {} mutants survive\n", survivors, mutants.size());
+}
+
+}  // namespace talus::validation
