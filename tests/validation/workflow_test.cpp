@@ -7,7 +7,6 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
 
 #include "tests/program.h"
@@ -26,13 +25,20 @@ const std::string workflow = (source / "validation/workflow/Snakefile").string()
 constexpr double time_limit = 180.0;  // s, of one workflow
 
 const std::vector<std::string> locally{"-j", "2"};
-const std::vector<std::string> on_slurm{"--profile", (source / "validation/workflow/slurm").string(),
-                                        "--default-resources", "slurm_account=tests"};
+const std::vector<std::string> on_slurm{"--profile",
+                                        (source / "validation/workflow/slurm").string(),
+                                        "--default-resources",
+                                        "slurm_account=tests",
+                                        "slurm_partition='all'",
+                                        "slurm_extra='--comment sand --requeue'"};
 
-/// A folder to work in, with a stub of talus-validate whose diary tells what the workflow asked of it.
+/// A folder to work in, with a stub of talus-validate whose diary tells what the workflow asked of it; or with the program itself.
 class Workplace {
  public:
-  Workplace() { std::filesystem::copy(source / "tests/validation/data/stub_validate", stub()); }
+  explicit Workplace(std::filesystem::path program = {}) : program_(std::move(program)) {
+    if (program_.empty()) program_ = stub();
+    std::filesystem::copy(source / "tests/validation/data/stub_validate", stub());
+  }
 
   std::filesystem::path at(const std::string& name) const { return folder_.path() / name; }
   std::filesystem::path stub() const { return at("stub_validate"); }
@@ -47,7 +53,7 @@ class Workplace {
     std::vector<std::string> command{"snakemake", "--snakefile", workflow};
     command.insert(command.end(), how.begin(), how.end());
     for (const std::string& word : {std::string("--config"), "suite=" + suite, std::string("output=out"),
-                                    "TALUS_VALIDATE=" + stub().string()})
+                                    "TALUS_VALIDATE=" + program_.string()})
       command.push_back(word);
     return command;
   }
@@ -92,6 +98,7 @@ class Workplace {
 
  private:
   TestFolder folder_;
+  std::filesystem::path program_;
   std::size_t read_ = 0;
 };
 
@@ -191,6 +198,35 @@ TEST(Workflow, KilledHalfWayIsResumed) {
               UnorderedElementsAre("list", "run column/a_1/liggghts/2", "run", "check"));
 }
 
+const std::filesystem::path real_program = std::filesystem::path(TALUS_BINARY_DIR) / "bin/talus-validate";
+const std::string tiny_suite = (source / "tests/validation/data/tiny_suite.toml").string();
+
+/// What talus-validate made of the tiny suite, whose verdict is its own affair.
+void expect_tiny_results(const Workplace& place, const testing::ProgramResult& result) {
+  ASSERT_TRUE(std::filesystem::exists(place.at("out/results.json"))) << result.output;
+  EXPECT_TRUE(std::filesystem::exists(place.at("out/report.html")));
+  const auto results = place.results();
+  ASSERT_EQ(results["points"].size(), 1u);
+  std::vector<std::string> runs;
+  for (const auto& run : results["points"][0]["runs"]) {
+    EXPECT_EQ(run["status"], "ok") << run;
+    EXPECT_EQ(run["origin"], "run");
+    runs.push_back(run["code"].get<std::string>() + " " + std::to_string(run["seed"].get<int>()));
+  }
+  EXPECT_THAT(
+      runs, UnorderedElementsAre("continuum 1", "continuum 2", "continuum_coarse 1",
+                                 "continuum_short_steps 1", "liggghts 1", "liggghts 2", "yade 1", "yade 2"));
+  const bool passes = results["verdict"] == "PASS" && results["drift"]["verdict"] == "PASS";
+  EXPECT_EQ(result.exit_code, passes ? 0 : 1) << result.output;
+}
+
+TEST(Workflow, RunsASuiteOfTheProgramItself) {
+  const Workplace place(real_program);
+  expect_tiny_results(place, place.run(locally, tiny_suite));
+  const auto again = place.run({"-j", "2", "--dry-run"}, tiny_suite);
+  EXPECT_THAT(again.output, Not(HasSubstr("rule run:"))) << again.output;
+}
+
 /// A Slurm of the tests' own. Where it cannot start they fail.
 class Slurm : public ::testing::Test {
  protected:
@@ -220,16 +256,16 @@ TEST_F(Slurm, RunsTheWorkflowAsJobs) {
   const auto result = place.run(on_slurm);
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_THAT(place.new_in_diary(), all_made);
-  std::vector<std::string> jobs;
-  for (const auto& record : place.results()) {
-    ASSERT_TRUE(record["slurm_job"].is_string()) << record;
-    jobs.push_back(record["slurm_job"]);
-  }
-  ASSERT_EQ(jobs.size(), 4u);
-  EXPECT_EQ(std::set<std::string>(jobs.begin(), jobs.end()).size(), 4u);
-  const auto accounted = run_program({"sacct", "--allocations", "--noheader", "--parsable2",
-                                      "--format=State,Timelimit,ReqMem", "--jobs", jobs[0]});
-  EXPECT_EQ(accounted.output, "COMPLETED|00:40:00|600M\n");
+  EXPECT_EQ(place.results().size(), 4u);
+  const auto accounted = run_program(
+      {"sacct", "--allocations", "--noheader", "--parsable2", "--format=State,Timelimit,ReqMem,Partition"});
+  const std::string job = "COMPLETED|00:40:00|600M|all\n";
+  EXPECT_EQ(accounted.output, job + job + job + job);
+}
+
+TEST_F(Slurm, RunsASuiteOfTheProgramItself) {
+  const Workplace place(real_program);
+  expect_tiny_results(place, place.run(on_slurm, tiny_suite));
 }
 
 TEST_F(Slurm, KilledHalfWayIsResumed) {
