@@ -14,8 +14,9 @@ namespace talus::dem {
 /// A figure that the series does not give is null.
 /// - column_collapse, cylinder_collapse: analysis/observables/{column,cylinder}_collapse.h
 /// - slot, hourglass: discharge_rate (kg/s, with its ..._error), flatness, residual, emptied_time; of the mass above the opening
-/// - ledge, heap: repose_angle (with ..._fit_error, ..._sector_deviation), crest_height; the flow must have stopped
-/// Throws SnapshotError, or InputError for a pile that was still moving.
+/// - ledge, heap: repose_angle (with ..._fit_error, ..._sector_deviation), crest_height; still_leaving, the share of the pile that left
+///   it over the last tenth of the time; rest_energy, its kinetic energy / (m g d) at the end; at_rest, of both
+/// Throws SnapshotError.
 nlohmann::json measure(const Case& a_case, const analysis::SnapshotSeries& series, double thickness);
 
 }  // namespace talus::dem

@@ -76,7 +76,8 @@ json make_run(const PlannedRun& run, const std::filesystem::path& folder, const 
   ProcessRequest request;
   // Should this program be killed, the run goes with it.
   request.command = {"/usr/bin/setpriv", "--pdeathsig", "KILL"};
-  request.command.insert(request.command.end(), run.command.begin(), run.command.end());
+  request.command.push_back(run.program.empty() ? run.command.front() : run.program.string());
+  request.command.insert(request.command.end(), run.command.begin() + 1, run.command.end());
   request.folder = folder;
   request.log = run.log_file;
   request.environment = {{"OMP_NUM_THREADS", "1"}};

@@ -59,9 +59,15 @@ constexpr int ruler_version = 1;
 void check_at_rest(const Case& a_case, const nlohmann::json& measured) {
   const auto& observables = measured.at("observables");
   if (observables.contains("at_rest") && !observables.at("at_rest").get<bool>()) {
+    const std::string figures =
+        observables.contains("still_leaving")
+            ? fmt::format(" (left in the last tenth of the time: {:.2g}; kinetic energy / (m g d): {:.2g})",
+                          observables.at("still_leaving").get<double>(),
+                          observables.at("rest_energy").get<double>())
+            : std::string();
     throw InputError(
-        fmt::format("the deposit had not come to rest at the end; lengthen protocol.run_time_s in {}",
-                    a_case.file.string()));
+        fmt::format("the deposit had not come to rest at the end{}; lengthen protocol.run_time_s in {}",
+                    figures, a_case.file.string()));
   }
 }
 

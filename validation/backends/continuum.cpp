@@ -116,7 +116,8 @@ dem::PlannedRun continuum_run(const ContinuumRequest& request) {
   run.seed = request.seed;
   run.version = continuum_version();
   // The harness runs a job to a core.
-  run.command = {talus_program().string(), "run", scene_name, "--output", ".", "--threads", "1"};
+  run.program = talus_program();
+  run.command = {"talus", "run", scene_name, "--output", ".", "--threads", "1"};
   run.log_file = log_name;
   run.expected_cpu = expected_continuum_cpu(request.a_case, request.resolution);
   run.time_limit = request.time_limit;

@@ -27,14 +27,17 @@ std::filesystem::path baseline_file(const std::filesystem::path& folder, const s
 
 std::filesystem::path history_file(const std::filesystem::path& folder) { return folder / "history.jsonl"; }
 
-/// Numbers that all continuum runs of a point have in common, in the order of the first.
+/// What the case is compared by, as far as the runs have it as a number of their own, and when the flow stopped.
 std::vector<std::string> observables_of(const json& point) {
   std::vector<std::string> names;
   const auto runs = runs_of(point.at("runs"), continuum_code);
   if (runs.empty()) return names;
-  for (const auto& [name, value] : runs.front()->at("observables").items()) {
-    if (value.is_number()) names.push_back(name);
-  }
+  const auto& observables = runs.front()->at("observables");
+  const auto add = [&](const std::string& name) {
+    if (observables.contains(name) && observables.at(name).is_number()) names.push_back(name);
+  };
+  for (const auto& band : point.at("bands")) add(band.at("observable"));
+  if (std::ranges::find(names, "stop_time") == names.end()) add("stop_time");
   return names;
 }
 

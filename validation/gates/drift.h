@@ -9,6 +9,8 @@
 // what another seed of the particle lattice would do, and no further. Hence tolerance = s / sqrt(n) of the accepted lattice seeds, over
 // their mean, and never below smallest_tolerance.
 //
+// It looks at what the case is compared by, and at the time when the flow stopped.
+//
 // Baselines are validation/baseline/SUITE.json, written by accept() alone; history.jsonl beside them has a line for each acceptance.
 #pragma once
 

@@ -25,6 +25,7 @@ json run(const std::string& code, int seed, double x95) {
 json results(double x95) {
   json point{
       {"name", "column/a_1"},
+      {"bands", json::array({{{"observable", "x95"}}})},
       {"runs", {run("continuum", 1, 0.99 * x95), run("continuum", 2, 1.01 * x95), run("liggghts", 1, 5.0)}}};
   return {
       {"suite", "small"}, {"points", {point}}, {"provenance", {{"git_hash", "abc"}, {"git_dirty", false}}}};
@@ -52,6 +53,22 @@ TEST(DriftGate, PassesWhatHasNotMovedAndFailsWhatHas) {
   EXPECT_EQ(baseline.judged(results(1.979))["drift"]["verdict"], "FAIL");
 }
 
+TEST(DriftGate, LooksAtWhatTheCaseIsComparedByAndWhenItStopped) {
+  json now = results(2.0);
+  for (auto& run : now["points"][0]["runs"]) {
+    run["observables"]["lost_volume"] = 1e-15;
+    run["observables"]["stop_time"] = 0.3;
+  }
+  const testing::TestFolder folder;
+  accept(now, "the first", folder.path());
+  for (auto& run : now["points"][0]["runs"]) run["observables"]["lost_volume"] = -3e-15;
+  judge_drift_of_suite(now, folder.path());
+  EXPECT_EQ(now["drift"]["verdict"], "PASS");
+  for (auto& run : now["points"][0]["runs"]) run["observables"]["stop_time"] = 0.31;
+  judge_drift_of_suite(now, folder.path());
+  EXPECT_EQ(now["drift"]["verdict"], "FAIL");
+}
+
 TEST(DriftGate, KnowsNothingOfTheDiscreteCodes) {
   const Accepted baseline;
   json now = results(2.0);
@@ -70,6 +87,7 @@ TEST(DriftGate, IsInconclusiveWithoutABaselineOrAValue) {
   for (auto& run : now["points"][0]["runs"]) run["observables"].erase("x95");
   EXPECT_EQ(baseline.judged(now)["drift"]["verdict"], "INCONCLUSIVE");
   now = results(2.0);
+  now["points"][0]["bands"].push_back({{"observable", "new"}});
   now["points"][0]["runs"][0]["observables"]["new"] = 1.0;
   now["points"][0]["runs"][1]["observables"]["new"] = 1.0;
   EXPECT_EQ(baseline.judged(now)["drift"]["verdict"], "INCONCLUSIVE");
