@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -299,8 +300,17 @@ TEST_F(Slurm, AJobThatOutlivesItsWorkflowIsWaitedForNotDoubled) {
   ASSERT_TRUE(place.kill_when(on_slurm, half_way(place))) << read_file(place.at("workflow.log"));
   ASSERT_EQ(place.run({"-j", "1", "--unlock"}).exit_code, 0);
   place.new_in_diary();
-  const auto second_runs = [] { return queue().find(" R ") != queue().rfind(" R "); };
-  const auto exit_code = place.run_and(on_slurm, second_runs, [&](pid_t) { place.tell("hold", ""); });
+  // Slurm's log of a job says so when its run begins.
+  const auto fifth_begun = [&] {
+    int begun = 0;
+    for (const auto& log : std::filesystem::directory_iterator(place.at(".snakemake/slurm_logs/rule_run")))
+      begun += read_file(log.path()).find("rule run:") != std::string::npos;
+    return begun == 5;
+  };
+  const auto exit_code = place.run_and(on_slurm, fifth_begun, [&](pid_t) {
+    sleep(2);  // time enough for a program that waits for nothing
+    place.tell("hold", "");
+  });
   EXPECT_EQ(exit_code, 0) << read_file(place.at("workflow.log"));
   EXPECT_THAT(place.new_in_diary(), UnorderedElementsAre("list", "run", "check"));
 }
