@@ -47,6 +47,15 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Talus: sand as a continuum that packs to a limit, never pulls, and resists shear by friction."};
   app.set_version_flag("--version", version_line("talus"));
+  app.add_flag_callback(
+         "--solver",
+         [] {
+           fmt::print("{}\n", solver_line());
+           throw CLI::Success();
+         },
+         "print what decides the results and nothing else: runs of two programs that agree in it are the "
+         "same")
+      ->trigger_on_parse();
   app.require_subcommand(1);
   RunOptions run_options;
   BenchOptions bench_options;

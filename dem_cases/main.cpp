@@ -180,6 +180,7 @@ int calibrate_materials(const Arguments& arguments) {
   const ShearCell cell = read_shear_cell(shear_cell_file());
   std::vector<nlohmann::json> records;
   for (const PlannedRun& run : shear_cell_runs(cell)) {
+    if (!arguments.code.empty() && run.code != arguments.code) continue;
     const auto record = current_record(arguments.reference, run);
     if (!record) {
       throw InputError(
@@ -229,6 +230,10 @@ int main(int argc, char** argv) {
   auto* calibrate_command = app.add_subcommand(
       "calibrate",
       "The continuum's material constants, as calibration.toml, from the stored runs of the shear cell");
+  calibrate_command
+      ->add_option("--code", arguments.code,
+                   "runs of this one only, where the other's are not made yet; the file says which were used")
+      ->check(CLI::IsMember({"liggghts"}));
   calibrate_command->add_option("-o,--output", arguments.output, "file to write; default: standard output");
   try {
     app.parse(argc, argv);

@@ -64,6 +64,12 @@ std::string version_line(std::string_view program) {
                      TALUS_GIT_DIRTY ? ", dirty" : "", __VERSION__, TALUS_BUILD_TYPE);
 }
 
+std::string solver_line() {
+  const std::string hash =
+      sha256(fmt::format("{}\n{}\n", TALUS_SOLVER_SOURCES, TALUS_CXX_FLAGS)).substr(0, 16);
+  return fmt::format("talus {} solver {} g++ {} {}", TALUS_VERSION, hash, __VERSION__, TALUS_BUILD_TYPE);
+}
+
 std::string sha256(std::string_view content) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int size = 0;

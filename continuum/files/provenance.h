@@ -14,6 +14,10 @@ nlohmann::json provenance();
 /// "talus 0.1.0 (git 1a2b3c4, dirty) g++ 12.2.0 Release", for --version.
 std::string version_line(std::string_view program);
 
+/// "talus 0.1.0 solver 1a2b3c4d5e6f7a8b g++ 12.2.0 Release": what decides the solver's results and nothing else, so that runs of one such
+/// text need not be made again. The hash is over the solver's sources and the compiler's flags.
+std::string solver_line();
+
 /// SHA-256 of an input text, as hex digits: the name of an input in results.
 std::string sha256(std::string_view content);
 

@@ -215,6 +215,9 @@ TEST(TalusProgram, KilledHalfWayLeavesNoSnapshotsUnderTheirFinalName) {
 
 TEST(TalusProgram, SaysWhatItIs) {
   EXPECT_THAT(run_program({"talus", "--version"}).output, HasSubstr("talus 0.1.0 (git "));
+  const auto solver = run_program({"talus", "--solver"});
+  EXPECT_EQ(solver.exit_code, 0);
+  EXPECT_THAT(solver.output, ::testing::MatchesRegex("talus 0.1.0 solver [0-9a-f]{16} g\\+\\+ .*\n"));
   EXPECT_THAT(run_program({"talus", "run", "--help"}).output, HasSubstr("--output"));
 }
 

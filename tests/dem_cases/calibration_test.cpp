@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "dem_cases/case.h"
@@ -15,13 +16,21 @@ using ::testing::HasSubstr;
 
 const std::filesystem::path calibration_file = TALUS_SOURCE_DIR "/dem_cases/shear_cell/calibration.toml";
 
-TEST(Calibration, HasTheMaterialOfTheColumnCollapse) {
-  const auto constants = read_calibration(calibration_file, read_case(column_collapse_file).calibration);
-  EXPECT_NEAR(constants.friction_angle, 31.1 * std::numbers::pi / 180, 1e-12);
-  EXPECT_NEAR(constants.friction_angle_uncertainty, 1.5 * std::numbers::pi / 180, 1e-12);
-  EXPECT_DOUBLE_EQ(constants.max_volume_fraction, 0.564);
-  EXPECT_EQ(constants.status, "provisional");
-  EXPECT_FALSE(constants.source.empty());
+TEST(Calibration, HasTheMaterialsOfTheCasesAsMeasuredInTheShearCell) {
+  const auto smooth = read_calibration(calibration_file, "rolling_friction_0"),
+             rolling = read_calibration(calibration_file, read_case(column_collapse_file).calibration);
+  for (const auto& constants : {smooth, rolling}) {
+    EXPECT_EQ(constants.status, "calibrated");
+    EXPECT_THAT(constants.source, AllOf(HasSubstr("biaxial"), HasSubstr("liggghts 3.8.0")));
+    ASSERT_TRUE(constants.friction_law);
+    // Two tests, one material: slow shear's ratio of stresses is the sine of the critical-state angle.
+    EXPECT_NEAR(constants.friction_law->mu_1 / std::sin(constants.friction_angle), 1.0, 0.05);
+  }
+  // What dem.md had from a thousand grains, within its 1.5 degrees; rolling friction stiffens and loosens.
+  EXPECT_NEAR(smooth.friction_angle * 180.0 / std::numbers::pi, 22.7, 1.5);
+  EXPECT_NEAR(rolling.friction_angle * 180.0 / std::numbers::pi, 31.1, 2.0);
+  EXPECT_NEAR(smooth.max_volume_fraction, 0.595, 0.01);
+  EXPECT_NEAR(rolling.max_volume_fraction, 0.564, 0.01);
 }
 
 constexpr std::string_view law =
@@ -73,15 +82,18 @@ TEST(Calibration, UnknownMaterialNamesThoseThereAre) {
 
 TEST(Calibration, AnotherMaterialsMistakeIsFoundToo) {
   const TestFolder folder;
-  const auto file = folder.path() / "calibration.toml";
-  const auto good = read_file(calibration_file);
-  write_file_atomically(file, replaced(good, "friction_angle_deg = 22.7", "friction_angle_deg = 0.396"));
-  EXPECT_THAT(input_error([&] { read_calibration(file, "rolling_friction_0_2"); }),
-              AllOf(HasSubstr("rolling_friction_0.friction_angle_deg"), HasSubstr("0.396"),
-                    HasSubstr("between 1 and 60")));
-  write_file_atomically(file, replaced(good, "friction_angle_deg = 22.7", "friction_angle_rad = 0.396"));
-  EXPECT_THAT(input_error([&] { read_calibration(file, "rolling_friction_0_2"); }),
-              HasSubstr("friction_angle_deg"));
+  const auto file = with_lines(folder, law);
+  const std::string gravel = replaced(read_file(file), "[sand]", "[gravel]");
+  const std::string two = read_file(file) + gravel.substr(gravel.find("[gravel]"));
+  const auto error_with = [&](std::string_view line) {
+    std::string wrong = two;
+    const std::string right = "friction_angle_deg = 22.0";
+    write_file_atomically(file, wrong.replace(wrong.find(right), right.size(), line));
+    return input_error([&] { read_calibration(file, "gravel"); });
+  };
+  EXPECT_THAT(error_with("friction_angle_deg = 0.396"),
+              AllOf(HasSubstr("sand.friction_angle_deg"), HasSubstr("0.396"), HasSubstr("between 1 and 60")));
+  EXPECT_THAT(error_with("friction_angle_rad = 0.396"), HasSubstr("friction_angle_deg"));
 }
 
 }  // namespace

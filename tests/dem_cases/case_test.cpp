@@ -27,7 +27,7 @@ TEST(Case, ReadsTheColumnCollapse) {
   EXPECT_DOUBLE_EQ(column.contact.wall_friction, 0.0);
   EXPECT_DOUBLE_EQ(column.protocol.time_step, 3.5e-5);
   EXPECT_EQ(column.seeds, (std::vector<std::uint64_t>{1, 2, 3}));
-  ASSERT_EQ(column.observables.size(), 5U);
+  ASSERT_EQ(column.observables.size(), 6U);
   for (const auto& band : column.observables) EXPECT_FALSE(band.why.empty()) << band.name;
   EXPECT_EQ(column.input_hash.size(), 64U);
 }

@@ -21,12 +21,11 @@ struct ContinuumRequest {
   double time_limit;  // s
 };
 
-/// The program's own version text, and the hash of its file: two builds with uncommitted changes differ in the latter alone. Throws
-/// InputError when the program is not built.
+/// What decides the solver's results (provenance.h, solver_line), as the program itself tells it. Throws InputError when it is not built.
 const std::string& continuum_version();
 
 /// The run's record holds, beside what dem::measure gives: "solver" (the budget's summary), "count" (particles at the end),
-/// "time_step_s" (the longest), "thickness_m". Its version names the program by its text and by the hash of its file. Throws
+/// "time_step_s" (the longest), "thickness_m". Throws
 /// InputError when the program is not built or the continuum cannot run the case.
 dem::PlannedRun continuum_run(const ContinuumRequest& request);
 
