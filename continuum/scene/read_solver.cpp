@@ -25,7 +25,7 @@ void read_projection(const CheckedTable& solver, ProjectionSettings& p) {
 std::string read_broken(const CheckedTable& solver, StepSettings& settings) {
   constexpr std::array<std::string_view, 2> defects{"pressure_pulls", "no_density_correction"};
   if (!solver.has("broken")) return {};
-  const std::string broken = solver.choice("broken", defects);
+  std::string broken = solver.choice("broken", defects);
   if (settings.scheme == Scheme::paper)
     throw solver.error("broken", "breaks the consistent scheme only; remove this, or scheme = \"paper\"");
   if (broken == "pressure_pulls") settings.projection.pressure_pulls = true;

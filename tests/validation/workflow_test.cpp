@@ -2,11 +2,13 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "tests/program.h"
@@ -75,25 +77,31 @@ class Workplace {
     return lines;
   }
 
-  /// Starts the workflow, and kills it and its children outright as soon as `when` holds; false when it never did.
-  bool kill_when(const std::vector<std::string>& how, const std::function<bool()>& when) const {
-    bool killed = false;
+  /// Runs the workflow, and calls then(its process id) once, as soon as `when` holds. Returns its exit code; none when that
+  /// never held.
+  std::optional<int> run_and(const std::vector<std::string>& how, const std::function<bool()>& when,
+                             const std::function<void(pid_t)>& then) const {
+    bool done = false;
     dem::ProcessRequest request;
     request.command = {"sh", "-c", "echo $$ > pid; exec \"$@\"", "sh"};
     const auto workflow_command = command(how);
     request.command.insert(request.command.end(), workflow_command.begin(), workflow_command.end());
     request.folder = folder_.path();
-    request.log = "killed.log";
+    request.log = "workflow.log";
     request.time_limit = std::chrono::duration<double>(time_limit);
     request.stop = [&] {
-      if (!killed && when()) {
-        killed = true;
-        kill(-std::stoi(read_file(at("pid"))), SIGKILL);
+      if (!done && when()) {
+        done = true;
+        then(std::stoi(read_file(at("pid"))));
       }
       return false;
     };
-    dem::run_process(request);
-    return killed;
+    const auto result = dem::run_process(request);
+    return done ? std::optional(result.exit_code) : std::nullopt;
+  }
+  /// Kills it and its children outright as soon as `when` holds; false when it never did.
+  bool kill_when(const std::vector<std::string>& how, const std::function<bool()>& when) const {
+    return run_and(how, when, [](pid_t workflow_process) { kill(-workflow_process, SIGKILL); }).has_value();
   }
 
  private:
@@ -186,7 +194,7 @@ TEST(Workflow, SaysWhatIsWrongWithItsInput) {
 TEST(Workflow, KilledHalfWayIsResumed) {
   Workplace place;
   place.tell("hold", "column/a_1/liggghts/2");
-  ASSERT_TRUE(place.kill_when(locally, half_way(place))) << read_file(place.at("killed.log"));
+  ASSERT_TRUE(place.kill_when(locally, half_way(place))) << read_file(place.at("workflow.log"));
   place.tell("hold", "");
   EXPECT_FALSE(std::filesystem::exists(place.record("liggghts_seed2")));
   place.new_in_diary();
@@ -271,7 +279,7 @@ TEST_F(Slurm, RunsASuiteOfTheProgramItself) {
 TEST_F(Slurm, KilledHalfWayIsResumed) {
   Workplace place;
   place.tell("hold", "column/a_1/liggghts/2");
-  ASSERT_TRUE(place.kill_when(on_slurm, half_way(place))) << read_file(place.at("killed.log"));
+  ASSERT_TRUE(place.kill_when(on_slurm, half_way(place))) << read_file(place.at("workflow.log"));
   EXPECT_THAT(queue(), HasSubstr(" R "));  // the job outlives the workflow
   ASSERT_EQ(run_program({"scancel", "--user=root"}, 30.0).exit_code, 0);
   for (int i = 0; i < 100 && !queue().empty(); ++i) usleep(200'000);
@@ -284,6 +292,27 @@ TEST_F(Slurm, KilledHalfWayIsResumed) {
   EXPECT_EQ(resumed.exit_code, 0) << resumed.output;
   EXPECT_THAT(place.new_in_diary(),
               UnorderedElementsAre("list", "run column/a_1/liggghts/2", "run", "check"));
+}
+
+TEST_F(Slurm, AJobThatOutlivesItsWorkflowIsWaitedForNotDoubled) {
+  Workplace place;
+  place.tell("hold", "column/a_1/liggghts/2");
+  ASSERT_TRUE(place.kill_when(on_slurm, half_way(place))) << read_file(place.at("workflow.log"));
+  ASSERT_EQ(place.run({"-j", "1", "--unlock"}).exit_code, 0);
+  place.new_in_diary();
+  // Slurm's log of a job says so when its run begins.
+  const auto fifth_begun = [&] {
+    int begun = 0;
+    for (const auto& log : std::filesystem::directory_iterator(place.at(".snakemake/slurm_logs/rule_run")))
+      begun += read_file(log.path()).find("rule run:") != std::string::npos;
+    return begun == 5;
+  };
+  const auto exit_code = place.run_and(on_slurm, fifth_begun, [&](pid_t) {
+    sleep(2);  // time enough for a program that waits for nothing
+    place.tell("hold", "");
+  });
+  EXPECT_EQ(exit_code, 0) << read_file(place.at("workflow.log"));
+  EXPECT_THAT(place.new_in_diary(), UnorderedElementsAre("list", "run", "check"));
 }
 
 }  // namespace
