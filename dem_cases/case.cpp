@@ -27,7 +27,7 @@ std::vector<std::string_view> observables_of(std::string_view kind) {
     return {"runout", "x90", "x95", "centre_of_mass", "final_height", "stop_time", "profile_L1"};
   if (kind == "cylinder_collapse")
     return {"runout", "r90", "r95", "mean_radius", "final_height", "stop_time", "profile_L1"};
-  if (kind == "slot" || kind == "hourglass") return {"discharge_rate"};
+  if (kind == "slot" || kind == "hourglass") return {"discharge_rate", "beverloo_C"};
   return {"repose_angle", "profile_L1"};
 }
 

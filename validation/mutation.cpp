@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "continuum/files/input_error.h"
 #include "validation/backends/continuum.h"
+#include "validation/corrected.h"
 #include "validation/gates/truth.h"
 #include "validation/gates/values.h"
 #include "validation/mutants.h"
@@ -62,6 +64,10 @@ void judge_point(const json& point, const std::vector<json>& records, json& muta
   }
 }
 
+const dem::Case& case_of(const Suite& suite, const std::string& point) {
+  return std::ranges::find(suite.points, point, &SuitePoint::name)->a_case;
+}
+
 json try_mutant(const Mutant& mutant, const Suite& suite, const json& results,
                 const std::filesystem::path& output, const MakingOptions& options) {
   spdlog::info("mutant: {}", mutant.title);
@@ -78,10 +84,12 @@ json try_mutant(const Mutant& mutant, const Suite& suite, const json& results,
     bool failed = false;
     for (const auto& run : runs) {
       if (run.point != point.at("name")) continue;
-      if (auto found = find_record(run))
+      if (auto found = find_record(run)) {
+        add_beverloo_C(case_of(suite, run.point), found->record);
         records.push_back(std::move(found->record));
-      else
+      } else {
         failed = true;
+      }
     }
     if (failed)
       tried["by"].push_back(

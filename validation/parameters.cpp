@@ -71,7 +71,7 @@ std::string unit_of(const dem::Case& a_case, const std::string& observable) {
   if (observable == "discharge_rate") return "kg/s";
   if (observable == "repose_angle") return "deg";
   if (observable == "stop_time") return "s";
-  if (observable == "profile_L1") return "1";
+  if (observable == "profile_L1" || observable == "beverloo_C") return "1";
   return a_case.kind == "cylinder_collapse" ? "R0" : "L0";
 }
 

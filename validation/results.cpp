@@ -10,6 +10,7 @@
 #include "continuum/files/provenance.h"
 #include "dem_cases/time_step.h"
 #include "validation/backends/continuum.h"
+#include "validation/corrected.h"
 #include "validation/gates/drift.h"
 #include "validation/gates/truth.h"
 #include "validation/gates/values.h"
@@ -23,11 +24,23 @@ using nlohmann::json;
 
 constexpr int schema_version = 2;
 
+/// Mean C of the discrete runs times what k is uncertain by.
+double beverloo_uncertainty(const dem::Case& a_case, const json& runs) {
+  double largest = 0.0;
+  for (const char* code : {"liggghts", "yade"}) {
+    for (const double C : values_of(runs, code, "beverloo_C")) {
+      if (std::isfinite(C)) largest = std::max(largest, C);
+    }
+  }
+  return edge_width_effect(a_case) * largest;
+}
+
 /// The standard uncertainty that the ruler itself adds, in the observable's unit: what the fit of an angle or a rate is uncertain by, and for
 /// the front the bin it may lie anywhere in.
 double measuring_uncertainty(const dem::Case& a_case, const std::string& observable, const json& runs) {
   if (observable == "runout")
     return a_case.ruler.profile_bin / (2.0 * std::numbers::sqrt3) / cell_length(a_case);
+  if (observable == "beverloo_C") return beverloo_uncertainty(a_case, runs);
   double largest = 0.0;
   for (const char* suffix : {"_error", "_fit_error"}) {
     for (const char* code : {"liggghts", "yade"}) {
@@ -75,6 +88,7 @@ json run_json(const SuitePoint& point, FoundRecord found) {
   } else {
     run["preflight"] = nullptr;
   }
+  add_beverloo_C(point.a_case, run);
   return run;
 }
 

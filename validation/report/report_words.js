@@ -24,7 +24,7 @@ const QUANTITIES = {
   runout: ["runout", "length"], r90: ["r90", "length"], r95: ["r95", "length"], mean_radius: ["mean radius", "length"],
   final_height: ["final height", "length"], front: ["front", "length"], height: ["height", "length"],
   profile_L1: ["profile, L1 distance", "1"], stop_time: ["stop time", "s"], roundness: ["roundness", "1"],
-  discharge_rate: ["discharge rate", "kg/s"], discharge_rate_error: ["its standard error", "kg/s"],
+  beverloo_C: ["Beverloo's C", "1"], discharge_rate: ["discharge rate", "kg/s"], discharge_rate_error: ["its standard error", "kg/s"],
   window_start: ["window start", "s"], window_end: ["window end", "s"], residual: ["left behind", "1"],
   flatness: ["flatness", "1"], emptied_time: ["emptied at", "s"], released_mass: ["released mass", "kg"], mass: ["mass left", "kg"],
   repose_angle: ["repose angle", "°"], repose_angle_fit_error: ["fit error", "°"],
