@@ -55,6 +55,12 @@ void write_page(const json& results, const Arguments& arguments) {
 json judged_results(const std::filesystem::path& folder, const Arguments& arguments) {
   json results = read_results(folder);
   judge(results, arguments.baseline);
+  results["stale"] = why_stale(results);
+  if (results["stale"] != "") {
+    spdlog::warn("stale: {}; run the suite again", results["stale"].get<std::string>());
+    for (json* verdict : {&results["verdict"], &results["drift"]["verdict"]})
+      *verdict = verdict_text(worse(verdict_of(*verdict), Verdict::inconclusive));
+  }
   return results;
 }
 
@@ -123,18 +129,13 @@ int run(const Arguments& arguments) {
 int check(const Arguments& arguments) {
   const json results = judged_results(arguments.output, arguments);
   fmt::print("{}", summary_text(results));
-  const std::string stale = why_stale(results);
-  Verdict truth = verdict_of(results.at("verdict")), drift = verdict_of(results.at("drift").at("verdict"));
-  if (!stale.empty()) {
-    fmt::print("stale: {}; run the suite again\n", stale);
-    truth = worse(truth, Verdict::inconclusive);
-    drift = worse(drift, Verdict::inconclusive);
-  }
+  const Verdict truth = verdict_of(results.at("verdict")),
+                drift = verdict_of(results.at("drift").at("verdict"));
   if (arguments.annotate) fmt::print("{}", annotations(results));
   write_json(arguments.json, {{"suite", results.at("suite")},
                               {"truth", verdict_text(truth)},
                               {"drift", verdict_text(drift)},
-                              {"stale", stale.empty() ? json() : json(stale)}});
+                              {"stale", results.at("stale")}});
   if (arguments.gate == "truth") return exit_code_of(truth);
   if (arguments.gate == "drift") return exit_code_of(drift);
   return exit_code_of(worse(truth, drift));

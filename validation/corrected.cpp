@@ -32,6 +32,9 @@ void add_beverloo_C(const dem::Case& a_case, nlohmann::json& run) {
   const auto rate = observables.find("discharge_rate");
   if (rate != observables.end() && rate->is_number() && law > 0.0)
     observables["beverloo_C"] = rate->get<double>() / law;
+  const auto error = observables.find("discharge_rate_error");
+  if (error != observables.end() && error->is_number() && law > 0.0)
+    observables["beverloo_C_error"] = error->get<double>() / law;
 }
 
 double edge_width_effect(const dem::Case& a_case) {

@@ -8,6 +8,7 @@
 #include "analysis/statistics/equivalence.h"
 #include "analysis/statistics/model_bias.h"
 #include "validation/backends/continuum.h"
+#include "validation/corrected.h"
 #include "validation/gates/values.h"
 
 namespace talus::validation {
@@ -17,6 +18,8 @@ using nlohmann::json;
 
 /// One code's slots of one material.
 struct Slots {
+  double
+      edge;  // k that is given where the exponent is fitted: the two cannot be told apart by three openings
   std::vector<analysis::DischargePoint> points;
   analysis::Orifice orifice;
 };
@@ -38,6 +41,7 @@ std::map<std::pair<std::string, std::string>, Slots> slots_of(const json& result
     for (const char* code : {continuum_code, "liggghts", "yade"}) {
       if (runs_of(point.at("runs"), code).empty()) continue;
       auto& found = slots[{point.at("calibration").at("name"), code}];
+      found.edge = std::string(code) == continuum_code ? 0.0 : edge_width;
       found.orifice = {
           .grain_diameter = parameters.at("grains").at("diameter_m"),
           .bulk_density = parameters.at("protocol").at("volume_fraction").get<double>() *
@@ -61,11 +65,12 @@ json fit_json(const Slots& slots) {
   if (slots.points.size() < 3) return fit;
   try {
     const auto law = analysis::fit_beverloo(slots.points, slots.orifice);
-    const auto free = analysis::fit_beverloo_exponent(slots.points, slots.orifice, law.k);
+    const auto free = analysis::fit_beverloo_exponent(slots.points, slots.orifice, slots.edge);
     fit.update({{"C", law.C},
                 {"C_error", law.standard_errors[0]},
                 {"k", law.k},
                 {"k_error", law.standard_errors[1]},
+                {"exponent_given_k", slots.edge},
                 {"exponent", free.exponent},
                 {"exponent_error", free.standard_errors[2]}});
   } catch (const std::exception& error) {  // a fit that fails is told, not hidden
@@ -116,10 +121,12 @@ json suite_metrics(const json& results) {
   for (const auto& point : results.at("points")) {
     for (const auto& row : point.at("truth")) {
       const std::string observable = row.at("observable");
-      if (observable == "profile_L1" || !row.at("deviation").is_number()) continue;  // a distance has no bias
+      if (observable == "profile_L1" || !row.at("deviation").is_number() || row.at("unfit") == true)
+        continue;  // a distance has no bias
       Comparisons& comparisons = found[observable];
       comparisons.pairs.push_back({1.0 + row.at("deviation").get<double>(), 1.0});
-      comparisons.band = row.at("band");
+      const double band = row.at("band");
+      comparisons.band = comparisons.pairs.size() == 1 ? band : std::min(comparisons.band, band);
       if (const auto& u = row.at("u_reference").at("combined"); u.is_number()) {
         comparisons.squared_uncertainty += u.get<double>() * u.get<double>();
         ++comparisons.known;

@@ -47,11 +47,14 @@ bool found_out(const json& before, double deviation) {
 }
 
 void judge_point(const json& point, const std::vector<json>& records, json& mutant) {
-  const auto rows = judge_truth(mutated(point, records)).rows;
+  const json changed = mutated(point, records);
+  const auto rows = judge_truth(changed).rows;
+  const std::string unfit = why_unfit(changed.at("runs"));
+  if (!unfit.empty()) mutant["not_judged"].push_back({{"name", point.at("name")}, {"why", unfit}});
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto& before = point.at("truth").at(i);
     const auto& deviation = rows[i].at("deviation");
-    const bool fails = deviation.is_number() && found_out(before, deviation);
+    const bool fails = unfit.empty() && deviation.is_number() && found_out(before, deviation);
     mutant["rows"].push_back({{"name", point.at("name")},
                               {"observable", before.at("observable")},
                               {"deviation", deviation},
@@ -71,7 +74,11 @@ const dem::Case& case_of(const Suite& suite, const std::string& point) {
 json try_mutant(const Mutant& mutant, const Suite& suite, const json& results,
                 const std::filesystem::path& output, const MakingOptions& options) {
   spdlog::info("mutant: {}", mutant.title);
-  json tried{{"name", mutant.name}, {"title", mutant.title}, {"rows", json::array()}, {"by", json::array()}};
+  json tried{{"name", mutant.name},
+             {"title", mutant.title},
+             {"rows", json::array()},
+             {"by", json::array()},
+             {"not_judged", json::array()}};
   const auto runs = plan_runs(suite, output / "mutants" / mutant.name, mutant.defects);
   try {
     make_runs(runs, options);
@@ -92,8 +99,7 @@ json try_mutant(const Mutant& mutant, const Suite& suite, const json& results,
       }
     }
     if (failed)
-      tried["by"].push_back(
-          {{"name", point.at("name")}, {"observable", "the run itself"}, {"verdict", "run failed"}});
+      tried["not_judged"].push_back({{"name", point.at("name")}, {"why", "a run ended in an error"}});
     else if (!records.empty())
       judge_point(point, records, tried);
   }
@@ -124,9 +130,12 @@ std::string mutants_text(const json& mutants) {
     survivors += killed ? 0 : 1;
     std::string by;
     for (const auto& row : mutant.at("by")) {
-      by += fmt::format("{}{} {}{}", by.empty() ? "" : ", ", row.at("name").get<std::string>(),
-                        row.at("observable").get<std::string>(),
-                        row.at("verdict") == "run failed" ? " (run failed)" : "");
+      by += fmt::format("{}{} {}", by.empty() ? "" : ", ", row.at("name").get<std::string>(),
+                        row.at("observable").get<std::string>());
+    }
+    for (const auto& point : mutant.at("not_judged")) {
+      by += fmt::format(" [{} not judged: {}]", point.at("name").get<std::string>(),
+                        point.at("why").get<std::string>());
     }
     text += fmt::format("{:<36}{}{}\n", mutant.at("title").get<std::string>(),
                         killed ? "found out by " : "SURVIVES", by);

@@ -40,7 +40,6 @@ double beverloo_uncertainty(const dem::Case& a_case, const json& runs) {
 double measuring_uncertainty(const dem::Case& a_case, const std::string& observable, const json& runs) {
   if (observable == "runout")
     return a_case.ruler.profile_bin / (2.0 * std::numbers::sqrt3) / cell_length(a_case);
-  if (observable == "beverloo_C") return beverloo_uncertainty(a_case, runs);
   double largest = 0.0;
   for (const char* suffix : {"_error", "_fit_error"}) {
     for (const char* code : {"liggghts", "yade"}) {
@@ -50,7 +49,7 @@ double measuring_uncertainty(const dem::Case& a_case, const std::string& observa
       if (std::isfinite(mean)) largest = std::max(largest, mean);
     }
   }
-  return largest;
+  return observable == "beverloo_C" ? std::hypot(largest, beverloo_uncertainty(a_case, runs)) : largest;
 }
 
 json bands_of(const dem::Case& a_case, const json& runs) {
@@ -127,6 +126,7 @@ json assemble_results(const Suite& suite, const std::vector<SuiteRun>& runs,
                {"schema_version", schema_version},
                {"suite", suite.name},
                {"title", suite.title},
+               {"tag", suite.tag},
                {"suite_file", std::filesystem::absolute(suite.file).string()},
                {"calibration_file", std::filesystem::absolute(suite.calibration).string()},
                {"calibration_hash", suite.calibration_hash},
@@ -137,22 +137,37 @@ json assemble_results(const Suite& suite, const std::vector<SuiteRun>& runs,
   for (const auto& run : runs) results["provenance"]["programs"][run.run.code] = run.run.version;
   for (const auto& point : suite.points) results["points"].push_back(point_json(suite, point, runs));
   results["complete"] = true;
-  judge(results, baseline_folder());
   return results;
+}
+
+/// The largest u_codes of each observable, of points that both discrete codes have run.
+static std::map<std::string, double> code_spread_of(const json& points) {
+  std::map<std::string, double> spread;
+  for (const auto& point : points) {
+    for (const auto& row : judge_truth(point).rows) {
+      const auto& codes = row.at("u_reference").at("codes");
+      if (codes.is_number())
+        spread[row.at("observable")] = std::max(spread[row.at("observable")], codes.get<double>());
+    }
+  }
+  return spread;
 }
 
 void judge(json& results, const std::filesystem::path& baseline) {
   // Nothing to judge is no pass.
   Verdict verdict = Verdict::inconclusive;
   bool any = false;
+  const auto spread = code_spread_of(results.at("points"));
   for (auto& point : results.at("points")) {
-    const TruthJudgement judgement = judge_truth(point);
+    const TruthJudgement judgement = judge_truth(point, spread);
     point["truth"] = judgement.rows;
     point["verdict"] = verdict_text(judgement.verdict);
     if (judgement.rows.empty()) continue;  // the continuum does not run it
     verdict = any ? worse(verdict, judgement.verdict) : judgement.verdict;
     any = true;
   }
+  // A part of a suite does not speak for the whole.
+  if (!results.value("tag", "").empty()) verdict = worse(verdict, Verdict::inconclusive);
   results["verdict"] = verdict_text(verdict);
   judge_drift_of_suite(results, baseline);
   results["metrics"] = suite_metrics(results);
@@ -178,20 +193,36 @@ json read_results(const std::filesystem::path& folder) {
 }
 
 std::string why_stale(const json& results) {
-  const auto changed = [](const std::string& file, const std::string& hash) {
-    return !std::filesystem::exists(file) || sha256(read_file(file)) != hash;
+  const auto gone = [](const std::string& file) {
+    return file + " is not there, so these results cannot be checked against it";
   };
-  const auto told = [](const std::string& what) {
+  const auto changed = [](const std::string& what) {
     return what + " has changed since these results were made";
   };
-  const std::string suite = results.at("suite_file"), calibration = results.at("calibration_file");
-  if (changed(suite, results.at("provenance").at("suite_hash"))) return told(suite);
-  if (changed(calibration, results.at("calibration_hash"))) return told(calibration);
+  const std::string suite_file = results.at("suite_file");
+  if (!std::filesystem::exists(suite_file)) return gone(suite_file);
+  if (sha256(read_file(suite_file)) != results.at("provenance").at("suite_hash")) return changed(suite_file);
   for (const auto& point : results.at("points")) {
     const std::string file = point.at("file");
-    if (changed(file, point.at("input_hash"))) return told(file);
-    for (const auto* run : runs_of(point.at("runs"), continuum_code)) {
-      if (run->at("version") != continuum_version()) return told("the program talus");
+    if (!std::filesystem::exists(file)) return gone(file);
+    if (sha256(read_file(file)) != point.at("input_hash")) return changed(file);
+  }
+  Suite suite = read_suite(suite_file);
+  if (suite.calibration_hash != results.at("calibration_hash")) return changed(suite.calibration.string());
+  for (auto& point : suite.points)
+    std::erase_if(point.seeds, [](const auto& seeds) { return seeds.first != continuum_code; });
+  std::map<std::string, std::pair<std::string, std::string>> now;  // input hash and version by name
+  for (const auto& run : plan_runs(suite, {})) now[run.name()] = {input_hash_of(run), run.run.version};
+  for (const auto& point : results.at("points")) {
+    for (const auto& run : point.at("runs")) {
+      const std::string code = run.at("code");
+      if (code == "liggghts" || code == "yade")
+        continue;  // their inputs are the case's, which has not changed
+      const auto found = now.find(fmt::format("{}/{}/{}", point.at("name").get<std::string>(), code,
+                                              run.at("seed").get<std::uint64_t>()));
+      if (found == now.end() || found->second.first != run.at("input_hash"))
+        return changed("what the continuum is asked at " + point.at("name").get<std::string>());
+      if (found->second.second != run.at("version")) return changed("the program talus");
     }
   }
   return {};

@@ -8,8 +8,8 @@ namespace talus::validation {
 inline constexpr const char* results_name = "results.json";
 inline constexpr const char* report_name = "report.html";
 
-/// The whole of results.json (schema "talus-results", version 2), judged. `runs`: all of the suite's. Throws InputError when one of them
-/// is not there.
+/// The whole of results.json (schema "talus-results", version 2). `runs`: all of the suite's. Throws InputError when one of them
+/// is not there. Not judged yet.
 nlohmann::json assemble_results(const Suite& suite, const std::vector<SuiteRun>& runs,
                                 const std::string& command_line);
 

@@ -10,6 +10,7 @@
 #include "continuum/files/input_error.h"
 #include "dem_cases/grain_dump.h"
 #include "dem_cases/process.h"
+#include "dem_cases/reference/folder_lock.h"
 #include "dem_cases/reference/make_run.h"
 #include "dem_cases/reference/plan.h"
 #include "dem_cases/reference/store.h"
@@ -52,7 +53,7 @@ void add_continuum_runs(const SuitePoint& point, const Defects& defects, const s
   for (const auto seed : seeds) add(continuum_code, point.resolution, seed);
   if (!point.refinement) return;
   ContinuumResolution coarse = point.resolution, short_steps = point.resolution;
-  coarse.cells = (point.resolution.cells + 1) / 2;
+  coarse.cells = point.resolution.cells / 2;
   short_steps.courant_factor = 0.5;
   add(coarse_code, coarse, seeds.front());
   add(short_steps_code, short_steps, seeds.front());
@@ -78,7 +79,9 @@ std::optional<json> own_record(const SuiteRun& run) {
   const auto file = run.folder / record_name;
   if (!std::filesystem::exists(file)) return std::nullopt;
   try {
-    return json::parse(read_file(file));
+    json record = json::parse(read_file(file));
+    if (record.is_object()) return record;
+    throw InputError(fmt::format("{}: not a record of a run; remove its folder", file.string()));
   } catch (const json::exception& error) {
     throw InputError(
         fmt::format("{}: not a record of a run: {}; remove its folder", file.string(), error.what()));
@@ -97,18 +100,18 @@ std::optional<FoundRecord> find_record(const SuiteRun& run, const std::string& i
   return std::nullopt;
 }
 
-std::string input_hash_of(const SuiteRun& run) {
-  const dem::ScratchFolder folder;
-  return dem::prepare_run(run.run, folder.path() / "input");
-}
-
 /// Makes one run and puts its folder in place.
 void make(const SuiteRun& run, const std::string& input_hash, const std::function<bool()>& stop) {
+  // Another program that was asked for the same run must not take its folder away.
+  const auto mine = run.folder.string() + ".lock";
+  const dem::FolderLock lock(mine);
+  dem::prepare_run(run.run, partial(run));
   const json record = dem::make_run(run.run, partial(run), input_hash, stop);
   write_file_atomically(partial(run) / record_name, record.dump(1) + "\n");
   std::filesystem::remove(partial(run) / dem::dump_file);  // its numbers stand in snapshots.h5, compressed
   std::filesystem::remove_all(run.folder);
   std::filesystem::rename(partial(run), run.folder);
+  std::filesystem::remove(mine);
 }
 
 }  // namespace
@@ -141,6 +144,11 @@ std::vector<SuiteRun> selected(const std::vector<SuiteRun>& runs, const std::vec
   return wanted;
 }
 
+std::string input_hash_of(const SuiteRun& run) {
+  const dem::ScratchFolder folder;
+  return dem::prepare_run(run.run, folder.path() / "input");
+}
+
 std::optional<FoundRecord> find_record(const SuiteRun& run) { return find_record(run, input_hash_of(run)); }
 
 std::string state_of(const SuiteRun& run) {
@@ -153,11 +161,8 @@ int make_runs(const std::vector<SuiteRun>& runs, const MakingOptions& options) {
   double cost = 0.0;
   for (const SuiteRun& run : runs) {
     if (options.stop()) break;
-    const std::string input_hash = dem::prepare_run(run.run, partial(run));
-    if (!options.force && find_record(run, input_hash)) {
-      std::filesystem::remove_all(partial(run));
-      continue;
-    }
+    const std::string input_hash = input_hash_of(run);
+    if (!options.force && find_record(run, input_hash)) continue;
     cost += run.run.expected_cpu;
     queue.push_back({.label = dem::label(run.run),
                      .expected_cpu = run.run.expected_cpu,

@@ -44,6 +44,9 @@ std::vector<SuiteRun> plan_runs(const Suite& suite, const std::filesystem::path&
 /// Of the runs, those whose name is one of `only` or begins with one of them and a '/'. Throws InputError for one that selects none.
 std::vector<SuiteRun> selected(const std::vector<SuiteRun>& runs, const std::vector<std::string>& only);
 
+/// The run's identity: the hash of its inputs, its command and what measures it.
+std::string input_hash_of(const SuiteRun& run);
+
 struct FoundRecord {
   nlohmann::json record;
   std::string origin;  // "run" or "ensemble"

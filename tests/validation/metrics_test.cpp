@@ -18,6 +18,7 @@ json point(double deviation, double u_reference = 0.01) {
            {{{"observable", "x95"},
              {"deviation", deviation},
              {"band", 0.05},
+             {"unfit", false},
              {"u_reference", {{"combined", u_reference}}}}}}};
 }
 
@@ -41,6 +42,9 @@ TEST(SuiteMetrics, SayWhyThereIsNoAnswer) {
   EXPECT_FALSE(row.contains("bias_factor"));
   EXPECT_FALSE(row["why_not"].get<std::string>().empty());
   EXPECT_TRUE(suite_metrics({{"points", json::array()}}).empty());
+  json unfit = point(0.1);
+  unfit["truth"][0]["unfit"] = true;
+  EXPECT_TRUE(suite_metrics({{"points", {unfit, unfit, unfit}}}).empty());
 }
 
 /// A slot that drains by Beverloo's law with C = 1 and the k given.
@@ -66,14 +70,27 @@ json slot(double opening, double k) {
 }
 
 TEST(BeverlooFits, FindTheLawThatTheSlotsFollow) {
-  const json fits = beverloo_fits({{"points", {slot(0.018, 1.3), slot(0.024, 1.3), slot(0.036, 1.3)}}});
+  const json fits = beverloo_fits({{"points", {slot(0.018, 1.4), slot(0.024, 1.4), slot(0.036, 1.4)}}});
   ASSERT_EQ(fits.size(), 1u);
   EXPECT_EQ(fits[0]["code"], "liggghts");
   EXPECT_EQ(fits[0]["material"], "sand");
   EXPECT_NEAR(fits[0]["C"].get<double>(), 1.0, 1e-3);
-  EXPECT_NEAR(fits[0]["k"].get<double>(), 1.3, 1e-3);
+  EXPECT_NEAR(fits[0]["k"].get<double>(), 1.4, 1e-3);
   EXPECT_NEAR(fits[0]["exponent"].get<double>(), 1.5, 1e-3);
   EXPECT_EQ(fits[0]["points"].size(), 3u);
+}
+
+TEST(BeverlooFits, TheExponentIsThatOfTheRatesNotThatOfTheLaw) {
+  json points = json::array();
+  for (const double opening : {0.018, 0.024, 0.036}) {
+    json point = slot(opening, 1.4);
+    for (auto& run : point["runs"]) {  // of (D - k d) / d to the power 2 instead of 3/2
+      auto& rate = run["observables"]["discharge_rate"];
+      rate = rate.get<double>() * std::sqrt((opening - 1.4 * 0.003) / 0.003);
+    }
+    points.push_back(point);
+  }
+  EXPECT_NEAR(beverloo_fits({{"points", points}})[0]["exponent"].get<double>(), 2.0, 1e-3);
 }
 
 TEST(BeverlooFits, TwoOpeningsHaveRatesAndNoFit) {

@@ -23,11 +23,15 @@ TEST(Mutants, TheTableSaysWhoSurvives) {
   const nlohmann::json mutants{
       {{"title", "no friction"},
        {"killed", true},
-       {"by", {{{"name", "slot/a"}, {"observable", "discharge_rate"}, {"verdict", "FAIL"}}}}},
-      {{"title", "gravity 5 % too small"}, {"killed", false}, {"by", nlohmann::json::array()}}};
+       {"by", {{{"name", "slot/a"}, {"observable", "discharge_rate"}, {"verdict", "FAIL"}}}},
+       {"not_judged", nlohmann::json::array()}},
+      {{"title", "gravity 5 % too small"},
+       {"killed", false},
+       {"by", nlohmann::json::array()},
+       {"not_judged", {{{"name", "ledge/a"}, {"why", "it moved"}}}}}};
   const std::string text = mutants_text(mutants);
   EXPECT_THAT(text, HasSubstr("found out by slot/a discharge_rate"));
-  EXPECT_THAT(text, HasSubstr("SURVIVES"));
+  EXPECT_THAT(text, HasSubstr("SURVIVES [ledge/a not judged: it moved]"));
   EXPECT_THAT(text, HasSubstr("1 of 2 mutants survive"));
 }
 

@@ -273,16 +273,38 @@ TEST_F(WholeChain, CheckJudgesTheRunsNotTheWrittenVerdict) {
 }
 
 TEST_F(WholeChain, StaleResultsNeverPass) {
-  const TestFolder temporary;
-  auto stale = results();
-  stale["calibration_hash"] = "another";
-  std::ofstream(temporary.path() / "results.json") << stale.dump();
-  const auto result = judged("check", temporary.path(), temporary.path());
-  EXPECT_THAT(result.exit_code, ::testing::AnyOf(1, 3));
-  EXPECT_THAT(result.output, AllOf(HasSubstr("stale: "), HasSubstr("calibration.toml")));
-  const auto accepted = judged("accept", temporary.path(), temporary.path(), {"--reason", "try"});
+  const TestFolder temporary, baseline;
+  ASSERT_EQ(judged("accept", output_, baseline.path(), {"--reason", "the first"}).exit_code, 0);
+  const auto check_with = [&](const auto& change) {
+    auto changed = results();
+    change(changed);
+    std::ofstream(temporary.path() / "results.json") << changed.dump();
+    return judged("check", temporary.path(), baseline.path(), {"--gate", "drift"});
+  };
+  EXPECT_EQ(check_with([](auto&) {}).exit_code, 0);
+  const auto stale = [&](const std::string& what, const auto& change) {
+    const auto result = check_with(change);
+    EXPECT_EQ(result.exit_code, 3) << what << result.output;
+    EXPECT_THAT(result.output, AllOf(HasSubstr("stale: "), HasSubstr(what)));
+  };
+  stale("tiny_suite.toml has changed", [](auto& r) { r["provenance"]["suite_hash"] = "another"; });
+  stale("calibration.toml has changed", [](auto& r) { r["calibration_hash"] = "another"; });
+  stale("tiny_column.toml has changed", [](auto& r) { r["points"][0]["input_hash"] = "another"; });
+  stale("the program talus has changed", [](auto& r) { r["points"][0]["runs"][0]["version"] = "another"; });
+  stale("what the continuum is asked", [](auto& r) { r["points"][0]["runs"][0]["input_hash"] = "another"; });
+  stale("is not there", [](auto& r) { r["suite_file"] = "/nowhere/suite.toml"; });
+  const auto accepted = judged("accept", temporary.path(), baseline.path(), {"--reason", "try"});
   EXPECT_EQ(accepted.exit_code, 2);
   EXPECT_THAT(accepted.output, HasSubstr("run the suite again before accepting"));
+}
+
+TEST_F(WholeChain, APartOfASuiteDoesNotPassForTheWhole) {
+  auto part = results();
+  part["tag"] = "collapse";
+  const TestFolder temporary;
+  std::ofstream(temporary.path() / "results.json") << part.dump();
+  EXPECT_THAT(judged("check", temporary.path(), temporary.path(), {"--gate", "truth"}).exit_code,
+              ::testing::AnyOf(1, 3));
 }
 
 TEST_F(WholeChain, HalfWrittenResultsAreRefused) {

@@ -122,6 +122,9 @@ dem::PlannedRun continuum_run(const ContinuumRequest& request) {
   run.expected_cpu = expected_continuum_cpu(request.a_case, request.resolution);
   run.time_limit = request.time_limit;
   run.measurement = dem::measurement_of(request.a_case);
+  // What the measuring knows of the case beside the ruler; a scene in plane strain has another thickness, and no grains.
+  run.measurement["case_thickness_m"] = dem::periodic_thickness(request.a_case.geometry);
+  run.measurement["grain_diameter_m"] = request.a_case.grains.diameter;
   run.write_input = [text = continuum_scene(request.a_case, request.material, request.resolution,
                                             request.seed, request.defects)](const auto& folder) {
     write_file_atomically(folder / scene_name, text);

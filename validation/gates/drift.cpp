@@ -50,8 +50,9 @@ bool converged(const json& point) {
 
 json accepted_value(const json& point, const std::string& observable) {
   const auto s = analysis::ensemble_statistics(values_of(point.at("runs"), continuum_code, observable));
-  const double scatter =
-      s.count > 1 && s.mean != 0.0 ? s.standard_deviation / std::sqrt(s.count) / std::abs(s.mean) : 0.0;
+  const double scatter = s.count > 1 && s.mean != 0.0
+                             ? 2.0 * s.standard_deviation * std::sqrt(2.0 / s.count) / std::abs(s.mean)
+                             : 0.0;
   return {{"value", s.mean}, {"tolerance", std::max(smallest_tolerance, scatter)}, {"n", s.count}};
 }
 
@@ -109,7 +110,8 @@ std::optional<json> read_baseline(const std::filesystem::path& folder, const std
   if (!std::filesystem::exists(file)) return std::nullopt;
   try {
     json baseline = json::parse(read_file(file));
-    if (baseline.at("schema") != schema || baseline.at("schema_version") != schema_version ||
+    if (!baseline.at("points").is_object() || !baseline.at("accepted").is_object() ||
+        baseline.at("schema") != schema || baseline.at("schema_version") != schema_version ||
         baseline.at("suite") != suite)
       throw InputError(fmt::format("{}: not the baseline of {}", file.string(), suite));
     return baseline;
@@ -200,8 +202,10 @@ json accept(const json& results, const std::string& reason, const std::filesyste
     throw InputError("--reason is empty; say why these results take the baseline's place");
   const std::string suite = results.at("suite");
   const auto old = read_baseline(folder, suite);
-  json points = old ? old->at("points") : json::object();
-  const json before = points;
+  const json old_points = old ? old->at("points") : json::object();
+  // A part of a suite moves its own points only; a whole one drops those that it no longer has.
+  json points = results.value("tag", "").empty() ? json::object() : old_points;
+  const json& before = old_points;
   for (const auto& point : results.at("points")) {
     if (!runs_of(point.at("runs"), continuum_code).empty())
       points[point.at("name").get<std::string>()] = accepted_point(point);

@@ -6,8 +6,8 @@
 //   INCONCLUSIVE  a value is missing, not finite, or not in the baseline; or a run did not converge
 //
 // The solver repeats itself to the last bit on one machine, and rounds differently on another; a collapse is chaotic, so rounding may grow to
-// what another seed of the particle lattice would do, and no further. Hence tolerance = s / sqrt(n) of the accepted lattice seeds, over
-// their mean, and never below smallest_tolerance.
+// what another seed of the particle lattice would do, and no further. The means of two such sets of n seeds differ by s sqrt(2 / n); hence tolerance
+// = 2 s sqrt(2 / n) over the accepted mean, s being the deviation of the accepted seeds, and never below smallest_tolerance.
 //
 // It looks at what the case is compared by, and at the time when the flow stopped.
 //
@@ -44,8 +44,8 @@ DriftJudgement judge_drift(const nlohmann::json& point, const nlohmann::json& ba
 /// points that the results lack.
 void judge_drift_of_suite(nlohmann::json& results, const std::filesystem::path& folder);
 
-/// Makes these results the baseline of their suite and adds {when, who, why, git_hash, suite, changes} to the history. Points that
-/// the results do not hold keep their old baseline. Returns the entry. Throws InputError for an empty reason, incomplete results, runs that did not
+/// Makes these results the baseline of their suite and adds {when, who, why, git_hash, suite, changes} to the history. Results of a part of
+/// the suite (a tag) move their own points only. Returns the entry. Throws InputError for an empty reason, incomplete results, runs that did not
 /// converge, or values that are not finite.
 nlohmann::json accept(const nlohmann::json& results, const std::string& reason,
                       const std::filesystem::path& folder);

@@ -33,13 +33,6 @@ std::string unfit(const json& run) {
   return {};
 }
 
-std::string first_unfit(const json& runs) {
-  for (const auto& run : runs) {
-    if (auto reason = unfit(run); !reason.empty()) return reason;
-  }
-  return {};
-}
-
 /// What a row is judged by.
 struct Comparison {
   double reference;  // in the observable's unit
@@ -57,6 +50,18 @@ std::optional<double> single_value(const json& runs, const char* code, const std
   return values.empty() ? std::nullopt : std::optional(values.front());
 }
 
+/// How many steps the run with short ones took for one of the standard run: steps fill frames, so it is not always two.
+double step_ratio(const json& runs) {
+  const auto steps_of = [&](const char* code) {
+    const auto found = runs_of(runs, code);
+    if (found.empty() || !found.front()->contains("solver")) return std::nan("");
+    const auto& solver = found.front()->at("solver");
+    return solver.is_object() ? solver.value("steps", std::nan("")) : std::nan("");
+  };
+  const double ratio = steps_of(short_steps_code) / steps_of(continuum_code);
+  return std::isfinite(ratio) && ratio > 1.0 ? ratio : 2.0;
+}
+
 /// Throws std::invalid_argument for numbers that are not finite.
 Comparison compare_values(const json& runs, const json& band) {
   const std::string observable = band.at("observable");
@@ -70,6 +75,7 @@ Comparison compare_values(const json& runs, const json& band) {
       .standard = model,
       .coarse = single_value(runs, coarse_code, observable),
       .short_steps = single_value(runs, short_steps_code, observable),
+      .step_ratio = step_ratio(runs),
   });
   const double value = reference.value;
   const auto part = [](const std::optional<analysis::NumericalPart>& p) {
@@ -94,7 +100,8 @@ Comparison compare_values(const json& runs, const json& band) {
 std::vector<Profile> profiles_of(const json& runs, const std::string& code) {
   std::vector<Profile> profiles;
   for (const auto* run : runs_of(runs, code)) {
-    if (auto profile = profile_of(*run); !profile.x.empty()) profiles.push_back(std::move(profile));
+    profiles.push_back(profile_of(*run));
+    if (profiles.back().x.empty()) throw std::invalid_argument("a run has no profile");
   }
   return profiles;
 }
@@ -108,6 +115,18 @@ std::optional<double> scatter(const std::vector<Profile>& profiles) {
   const auto count = static_cast<double>(profiles.size());
   // Their mean is nearer to each of them than the truth is: sqrt(n / (n - 1)).
   return sum / count * std::sqrt(count / (count - 1.0)) / std::sqrt(count);
+}
+
+/// Of the mean of the codes' means. A code of one run has no scatter of its own: that of the other stands in for it.
+std::optional<double> scatter_of_codes(const std::vector<Profile>& a, const std::vector<Profile>& b) {
+  const auto of_a = scatter(a), of_b = scatter(b);
+  const auto one_run = [](const std::optional<double>& of_mean, const std::vector<Profile>& profiles) {
+    return *of_mean * std::sqrt(static_cast<double>(profiles.size()));
+  };
+  if (!of_a && !of_b) return std::nullopt;
+  if (b.empty()) return of_a;
+  if (a.empty()) return of_b;
+  return 0.5 * std::hypot(of_a ? *of_a : one_run(of_b, b), of_b ? *of_b : one_run(of_a, a));
 }
 
 std::optional<double> hypotenuse(std::initializer_list<std::optional<double>> parts) {
@@ -140,20 +159,16 @@ Comparison compare_profiles(const json& runs) {
   Comparison c{
       .reference = 0.0, .deviation = area_between(mean_profile(model), reference) / whole, .budget = {}};
   Budget& b = c.budget;
-  // Of the mean of the codes' means; a code of one run has no scatter of its own.
-  const auto scatter_l = scatter(liggghts), scatter_y = scatter(yade);
-  if (scatter_l || scatter_y) {
-    const double one = scatter_l ? *scatter_l : *scatter_y * std::sqrt(yade.size());
-    const double other = yade.empty() ? 0.0 : scatter_y ? *scatter_y : one * std::sqrt(liggghts.size());
-    b.seeds = relative(std::hypot(one, other) / static_cast<double>(codes.size()));
-  }
+  b.seeds = relative(scatter_of_codes(liggghts, yade));
   b.codes = relative(rectangular(liggghts, yade, 0.5));
   b.measuring = 0.0;
   b.reference = b.seeds ? std::optional(std::hypot(*b.seeds, b.codes.value_or(0.0))) : std::nullopt;
   b.lattice_seeds = relative(scatter(model));
-  // As numerical_uncertainty.h has it for r = 2: cells against the mean, steps against the run of their own seed, twice.
+  // As numerical_uncertainty.h has it for r = 2: cells against the mean, steps against the run of their own seed.
   b.grid = relative(rectangular(model, profiles_of(runs, coarse_code), 1.0));
-  b.time_step = relative(rectangular({model.front()}, profiles_of(runs, short_steps_code), 2.0));
+  const double ratio = step_ratio(runs);
+  b.time_step =
+      relative(rectangular({model.front()}, profiles_of(runs, short_steps_code), ratio / (ratio - 1.0)));
   b.numerical = hypotenuse({b.lattice_seeds, b.grid, b.time_step});
   return c;
 }
@@ -167,7 +182,7 @@ Judged judge(const Comparison& c, double band) {
   const double deviation = std::abs(c.deviation);
   if (!std::isfinite(deviation)) return {Verdict::inconclusive, "a value is missing or not finite"};
   if (!c.budget.reference)
-    return {Verdict::inconclusive, "no code has two reference runs, so the reference's spread is not known"};
+    return {Verdict::inconclusive, "the reference's spread is not known: one run a code, or one code alone"};
   if (!c.budget.numerical)
     return {Verdict::inconclusive,
             "the continuum's own uncertainty is not known: it lacks a second seed or the refinement"};
@@ -195,20 +210,41 @@ std::optional<Comparison> comparison_of(const json& runs, const json& band) {
   }
 }
 
+/// One code alone tells nothing of the codes' spread.
+void borrow_code_spread(const std::string& observable, const std::map<std::string, double>& code_spread,
+                        Budget& budget) {
+  if (budget.codes) return;
+  const auto found = code_spread.find(observable);
+  if (found == code_spread.end() || !budget.reference) {
+    budget.reference.reset();
+    return;
+  }
+  budget.codes = found->second;
+  budget.reference = std::hypot(*budget.reference, found->second);
+}
+
 }  // namespace
 
-TruthJudgement judge_truth(const json& point) {
+std::string why_unfit(const json& runs) {
+  for (const auto& run : runs) {
+    if (auto reason = unfit(run); !reason.empty()) return reason;
+  }
+  return {};
+}
+
+TruthJudgement judge_truth(const json& point, const std::map<std::string, double>& code_spread) {
   const auto& runs = point.at("runs");
   TruthJudgement judgement{json::array(), Verdict::inconclusive};
   if (runs_of(runs, continuum_code).empty()) return judgement;
-  const std::string reason = first_unfit(runs);
+  const std::string reason = why_unfit(runs);
   Verdict worst = Verdict::pass;
   for (const auto& band : point.at("bands")) {
-    const auto comparison = comparison_of(runs, band);
+    const std::string observable = band.at("observable");
+    auto comparison = comparison_of(runs, band);
+    if (comparison) borrow_code_spread(observable, code_spread, comparison->budget);
     Judged judged = comparison ? judge(*comparison, band.at("band"))
                                : Judged{Verdict::inconclusive, "a value is missing or not finite"};
     if (!reason.empty()) judged = {Verdict::inconclusive, reason};
-    const std::string observable = band.at("observable");
     json row{
         {"observable", observable},
         {"unit", band.at("unit")},

@@ -9,13 +9,18 @@
 //   PASS          |deviation| <= band and U <= band   inside it, and known well enough to say so
 //   INCONCLUSIVE  otherwise, and whenever a run is missing, not finite, not at rest or did not converge, or an uncertainty is unknown
 //
+// Where one discrete code alone has run a point, the codes' spread is not known there: the largest that other points of the suite have for the
+// same observable stands in, and where there is none the row is inconclusive.
+//
 // The band says what a user would call agreement; it stands in the case file with its reason. U is computed, never chosen.
 //
 // profile_L1 compares whole final profiles: the deviation is the area between the mean profiles over the reference's, never negative. Its
 // uncertainties are the same areas: between seeds and their mean, the codes' means, the coarse run and the standard one.
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "validation/gates/verdict.h"
 
@@ -28,9 +33,13 @@ struct TruthJudgement {
   Verdict verdict;
 };
 
+/// Why the runs of a point cannot be judged, whatever their figures: one is not at rest, or has unconverged solves. Empty when they can.
+std::string why_unfit(const nlohmann::json& runs);
+
 /// `point`: of results.json, with "bands" [{observable, unit, band, why, measuring}] and "runs". `measuring` is the standard uncertainty
 /// that the ruler itself adds, in the observable's unit. A point without the continuum's runs has no judgement: no rows, and
-/// inconclusive.
-TruthJudgement judge_truth(const nlohmann::json& point);
+/// inconclusive. `code_spread`: by observable, the relative standard uncertainty u_codes to take where one discrete code alone ran; without it
+/// such a row is inconclusive.
+TruthJudgement judge_truth(const nlohmann::json& point, const std::map<std::string, double>& code_spread = {});
 
 }  // namespace talus::validation

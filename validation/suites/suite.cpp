@@ -83,6 +83,8 @@ std::vector<SuitePoint> read_suite_case(const CheckedTable& table, const Common&
                     .tags = {},
                     .required = {},
                     .time_limit = table.number("time_limit_s", positive)};
+  if (common.refinement && shared.resolution.cells % 2 != 0)
+    throw table.error("cells", "must be even: the refinement runs with half as many");
   if (table.has("tags")) {
     const auto tags = table.strings("tags");
     shared.tags = {tags.begin(), tags.end()};
@@ -187,6 +189,7 @@ Suite read_suite(const std::string& name_or_file) {
 
 Suite tagged(Suite suite, const std::string& tag) {
   if (tag.empty()) return suite;
+  suite.tag = tag;
   std::set<std::string> wanted, known;
   for (const auto& point : suite.points) {
     known.insert(point.tags.begin(), point.tags.end());

@@ -56,6 +56,7 @@ struct Suite {
   std::filesystem::path calibration;
   std::string calibration_hash;  // likewise
   std::vector<std::string> mutants;
+  std::string tag;  // by which its points were selected; empty: the whole suite
   std::vector<SuitePoint> points;
 };
 

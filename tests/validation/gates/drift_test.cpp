@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "continuum/files/atomic_file.h"
@@ -21,7 +22,7 @@ json run(const std::string& code, int seed, double x95) {
           {"solver", code == "continuum" ? json{{"converged", true}} : json()}};
 }
 
-/// Two lattice seeds 2 % apart: their mean is uncertain by 1 %.
+/// Two lattice seeds 2 % apart.
 json results(double x95) {
   json point{
       {"name", "column/a_1"},
@@ -46,11 +47,11 @@ TEST(DriftGate, PassesWhatHasNotMovedAndFailsWhatHas) {
   EXPECT_EQ(same["drift"]["verdict"], "PASS");
   const json& row = same["points"][0]["drift"][0];
   EXPECT_EQ(row["observable"], "x95");
-  EXPECT_NEAR(row["tolerance"].get<double>(), 0.01, 1e-12);
+  EXPECT_NEAR(row["tolerance"].get<double>(), 2.0 * 0.01 * std::sqrt(2.0), 1e-12);  // 2 s sqrt(2 / n), n = 2
   EXPECT_NEAR(row["change"].get<double>(), 0.0, 1e-12);
-  EXPECT_EQ(baseline.judged(results(2.019))["drift"]["verdict"], "PASS");
-  EXPECT_EQ(baseline.judged(results(2.021))["drift"]["verdict"], "FAIL");
-  EXPECT_EQ(baseline.judged(results(1.979))["drift"]["verdict"], "FAIL");
+  EXPECT_EQ(baseline.judged(results(2.056))["drift"]["verdict"], "PASS");
+  EXPECT_EQ(baseline.judged(results(2.057))["drift"]["verdict"], "FAIL");
+  EXPECT_EQ(baseline.judged(results(1.943))["drift"]["verdict"], "FAIL");
 }
 
 TEST(DriftGate, LooksAtWhatTheCaseIsComparedByAndWhenItStopped) {
@@ -115,6 +116,17 @@ TEST(Accept, MovesTheBaselineAndTellsWhoWhatAndWhy) {
   EXPECT_EQ(now["history"][1]["why"], "a better splat");
 }
 
+TEST(Accept, APartMovesItsOwnPointsAndTheWholeDropsWhatItNoLongerHas) {
+  const Accepted baseline;
+  json part = results(2.0);
+  part["tag"] = "another";
+  part["points"][0]["name"] = "column/a_2";
+  accept(part, "more", baseline.folder.path());
+  EXPECT_EQ(read_baseline(baseline.folder.path(), "small")->at("points").size(), 2u);
+  accept(results(2.0), "the point is gone", baseline.folder.path());
+  EXPECT_EQ(read_baseline(baseline.folder.path(), "small")->at("points").size(), 1u);
+}
+
 TEST(Accept, RefusesWhatIsNoResult) {
   const testing::TestFolder folder;
   const auto error = [&](const json& now, const std::string& reason) {
@@ -136,6 +148,10 @@ TEST(Baseline, ADamagedFileIsAnErrorThatNamesIt) {
   const Accepted baseline;
   const auto& folder = baseline.folder.path();
   std::ofstream(folder / "small.json") << "{";
+  EXPECT_THAT(testing::input_error([&] { read_baseline(folder, "small"); }),
+              HasSubstr("small.json: damaged"));
+  std::ofstream(folder / "small.json")
+      << R"({"schema": "talus-baseline", "schema_version": 1, "suite": "small"})";
   EXPECT_THAT(testing::input_error([&] { read_baseline(folder, "small"); }),
               HasSubstr("small.json: damaged"));
   std::ofstream(folder / "history.jsonl", std::ios::app) << "{\n";

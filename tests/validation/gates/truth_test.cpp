@@ -117,10 +117,17 @@ TEST(TruthGate, NeverPassesWhatIsNotKnown) {
   }
   const auto discrete = [](const json& run) { return run["code"] == "liggghts" || run["code"] == "yade"; };
   EXPECT_EQ(judge_truth(without(whole, discrete)).verdict, Verdict::inconclusive);
-  // One run of each code tells nothing of the seeds; one code of two is enough.
+  // One run of each code tells nothing of the seeds.
   const auto second = [&](const json& run) { return discrete(run) && run["seed"] == 2; };
   EXPECT_EQ(judge_truth(without(whole, second)).verdict, Verdict::inconclusive);
-  EXPECT_EQ(judge_truth(without(whole, code_is("yade"))).verdict, Verdict::pass);
+  // One code alone tells nothing of the codes' spread, unless other points have told it.
+  const json alone = without(whole, code_is("yade"));
+  EXPECT_EQ(judge_truth(alone).verdict, Verdict::inconclusive);
+  const auto borrowed = judge_truth(alone, {{"x95", 0.01}});
+  EXPECT_EQ(borrowed.verdict, Verdict::pass);
+  EXPECT_EQ(borrowed.rows[0]["u_reference"]["codes"], 0.01);
+  EXPECT_GT(borrowed.rows[0]["u_reference"]["combined"].get<double>(), 0.01);
+  EXPECT_EQ(judge_truth(alone, {{"x95", 0.2}}).verdict, Verdict::inconclusive);
   EXPECT_EQ(judge_truth({{"name", "x"}, {"runs", json::array()}, {"bands", whole["bands"]}}).verdict,
             Verdict::inconclusive);
 }
@@ -165,8 +172,25 @@ TEST(TruthGate, ComparesWholeProfilesByTheAreaBetweenThem) {
   set("continuum", 0.8);
   EXPECT_NEAR(judge_truth(point).rows[0]["deviation"].get<double>(), 0.2, 1e-9);
   EXPECT_EQ(judge_truth(point).verdict, Verdict::fail);
-  for (auto& run : point["runs"]) run.erase("final_profile");
-  EXPECT_EQ(judge_truth(point).verdict, Verdict::inconclusive);
+  set("continuum", 1.1);
+  for (std::size_t i = 0; i < point["runs"].size(); ++i) {
+    json lacking = point;
+    lacking["runs"][i].erase("final_profile");
+    EXPECT_EQ(judge_truth(lacking).verdict, Verdict::inconclusive) << i;
+  }
+}
+
+TEST(TruthGate, TakesTheRatioOfStepsFromTheRunsThemselves) {
+  const auto u_step = [](int steps) {
+    json point = Point{.short_steps = 1.01}();
+    for (auto& run : point["runs"]) {
+      if (run["code"] == "continuum") run["solver"]["steps"] = 200;
+      if (run["code"] == "continuum_short_steps") run["solver"]["steps"] = steps;
+    }
+    return judge_truth(point).rows[0]["u_numerical"]["time_step"].get<double>();
+  };
+  EXPECT_NEAR(u_step(400), 2.0 * 0.01 / std::sqrt(3.0), 1e-9);  // a = difference r / (r - 1)
+  EXPECT_NEAR(u_step(300), 3.0 * 0.01 / std::sqrt(3.0), 1e-9);
 }
 
 TEST(TruthGate, TheWorstObservableDecides) {
