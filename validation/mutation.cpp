@@ -51,18 +51,22 @@ void judge_point(const json& point, const std::vector<json>& records, json& muta
   const auto rows = judge_truth(changed).rows;
   const std::string unfit = why_unfit(changed.at("runs"));
   if (!unfit.empty()) mutant["not_judged"].push_back({{"name", point.at("name")}, {"why", unfit}});
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const auto& before = point.at("truth").at(i);
-    const auto& deviation = rows[i].at("deviation");
-    const bool fails = unfit.empty() && deviation.is_number() && found_out(before, deviation);
+  for (const auto& row : rows) {
+    const auto& observable = row.at("observable");
+    const auto found = std::ranges::find_if(
+        point.at("truth"), [&](const json& one) { return one.at("observable") == observable; });
+    if (found == point.at("truth").end()) continue;
+    const json& before = *found;
+    const auto& deviation = row.at("deviation");
+    const bool judged = observable == "at_rest" || unfit.empty();
+    const bool fails = judged && deviation.is_number() && found_out(before, deviation);
     mutant["rows"].push_back({{"name", point.at("name")},
-                              {"observable", before.at("observable")},
+                              {"observable", observable},
                               {"deviation", deviation},
                               {"before", before.at("deviation")},
                               {"verdict", fails ? "FAIL" : before.at("verdict").get<std::string>()}});
     if (fails) {
-      mutant["by"].push_back(
-          {{"name", point.at("name")}, {"observable", before.at("observable")}, {"verdict", "FAIL"}});
+      mutant["by"].push_back({{"name", point.at("name")}, {"observable", observable}, {"verdict", "FAIL"}});
     }
   }
 }
@@ -88,7 +92,7 @@ json try_mutant(const Mutant& mutant, const Suite& suite, const json& results,
   tried["runs"] = runs.size();
   for (const auto& point : results.at("points")) {
     std::vector<json> records;
-    bool failed = false;
+    bool failed = false, refused = false;
     for (const auto& run : runs) {
       if (run.point != point.at("name")) continue;
       if (auto found = find_record(run)) {
@@ -96,10 +100,14 @@ json try_mutant(const Mutant& mutant, const Suite& suite, const json& results,
         records.push_back(std::move(found->record));
       } else {
         failed = true;
+        refused = refused || std::filesystem::exists(run.folder.string() + ".partial/snapshots.h5");
       }
     }
     if (failed)
-      tried["not_judged"].push_back({{"name", point.at("name")}, {"why", "a run ended in an error"}});
+      tried[refused ? "by" : "not_judged"].push_back(
+          refused
+              ? json{{"name", point.at("name")}, {"observable", "the deposit's place"}, {"verdict", "FAIL"}}
+              : json{{"name", point.at("name")}, {"why", "a run ended in an error"}});
     else if (!records.empty())
       judge_point(point, records, tried);
   }

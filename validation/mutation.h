@@ -7,8 +7,9 @@ namespace talus::validation {
 
 /// Runs the continuum of the suite with each of its mutants, in OUTPUT/mutants/NAME, and judges it. `results`: of the suite itself, judged;
 /// its uncertainties are the mutants' as well. A mutant is found out where a row that is not FAIL without it has
-/// |deviation| > band + U with it. A run that ends in an error, does not rest or does not converge finds out nothing: such points are
-/// listed as not judged. Returns "mutants" of results.json:
+/// |deviation| > band + U with it. So it is where its sand is not where
+/// the case allows it: at the far wall, or out of the domain. A run that ends in another error, or does not converge, finds out nothing: such
+/// points are listed as not judged. Returns "mutants" of results.json:
 /// [{"name", "title", "killed", "runs", "rows": [{"name", "observable", "deviation", "before", "verdict"}],
 ///   "by": [{"name", "observable", "verdict"}], "not_judged": [{"name", "why"}]}]. Throws InputError for a suite without mutants, RunError when interrupted.
 nlohmann::json try_mutants(const Suite& suite, const nlohmann::json& results,

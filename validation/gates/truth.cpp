@@ -223,6 +223,47 @@ void borrow_code_spread(const std::string& observable, const std::map<std::strin
   budget.reference = std::hypot(*budget.reference, found->second);
 }
 
+/// Share of the runs of a code that are at rest at their end; nothing where none tells.
+std::optional<double> share_at_rest(const json& runs, const std::string& code) {
+  int told = 0, resting = 0;
+  for (const auto* run : runs_of(runs, code)) {
+    const auto found = run->at("observables").find("at_rest");
+    if (found == run->at("observables").end()) continue;
+    ++told;
+    resting += *found == true;
+  }
+  return told > 0 ? std::optional(static_cast<double>(resting) / told) : std::nullopt;
+}
+
+/// The row "at_rest"; nothing for a case that does not come to rest.
+std::optional<json> rest_row(const json& runs) {
+  const auto model = share_at_rest(runs, continuum_code);
+  if (!model) return std::nullopt;
+  bool reference_rests = true;  // stored runs that do not tell were refused unless they did
+  for (const char* code : discrete_codes) reference_rests &= share_at_rest(runs, code).value_or(1.0) == 1.0;
+  const bool known = reference_rests && !(runs_of(runs, "liggghts").empty() && runs_of(runs, "yade").empty());
+  const Verdict verdict = !known ? Verdict::inconclusive : *model < 1.0 ? Verdict::fail : Verdict::pass;
+  json row{
+      {"observable", "at_rest"},
+      {"unit", "1"},
+      {"reference", 1.0},
+      {"deviation", *model - 1.0},
+      {"band", 0.0},
+      {"band_why", "what rests in the discrete codes must rest in the continuum"},
+      {"coverage_factor", coverage_factor},
+      {"uncertainty", 0.0},
+      {"unfit", false},
+      {"continuum", nullptr},
+      {"liggghts", nullptr},
+      {"yade", nullptr},
+      {"verdict", verdict_text(verdict)},
+      {"why", verdict == Verdict::pass   ? "at rest at the end"
+              : verdict == Verdict::fail ? "still moving at the end, when the discrete codes' deposit rests"
+                                         : "a discrete code's deposit is not at rest at the end"}};
+  row.update(budget_json({}));
+  return row;
+}
+
 }  // namespace
 
 std::string why_unfit(const json& runs) {
@@ -254,6 +295,7 @@ TruthJudgement judge_truth(const json& point, const std::map<std::string, double
         {"band_why", band.at("why")},
         {"coverage_factor", coverage_factor},
         {"uncertainty", or_null(comparison ? comparison->budget.expanded(coverage_factor) : std::nullopt)},
+        {"unfit", !reason.empty()},
         {"verdict", verdict_text(judged.verdict)},
         {"why", judged.why}};
     row.update(budget_json(comparison ? comparison->budget : Budget{}));
@@ -261,6 +303,10 @@ TruthJudgement judge_truth(const json& point, const std::map<std::string, double
       row[code] = observable == "profile_L1" ? json() : statistics_json(values_of(runs, code, observable));
     judgement.rows.push_back(std::move(row));
     worst = worse(worst, judged.verdict);
+  }
+  if (auto row = rest_row(runs)) {
+    worst = worse(worst, verdict_of(row->at("verdict")));
+    judgement.rows.push_back(std::move(*row));
   }
   if (!judgement.rows.empty()) judgement.verdict = worst;
   return judgement;

@@ -14,6 +14,8 @@
 //
 // The band says what a user would call agreement; it stands in the case file with its reason. U is computed, never chosen.
 //
+// at_rest is a row of its own: a deposit that rests at the end in the discrete codes and does not in the continuum is a FAIL, whatever it measures.
+//
 // profile_L1 compares whole final profiles: the deviation is the area between the mean profiles over the reference's, never negative. Its
 // uncertainties are the same areas: between seeds and their mean, the codes' means, the coarse run and the standard one.
 #pragma once
