@@ -18,7 +18,8 @@ struct PlannedRun {
   std::uint64_t seed;
   std::string version;               // of the code
   std::vector<std::string> command;  // to be run in the folder, on one core
-  std::filesystem::path program{};   // what is started in place of command[0], where that is not its path: it may lie anywhere
+  std::filesystem::path
+      program{};  // what is started in place of command[0], where that is not its path: it may lie anywhere
   std::string log_file;
   double expected_cpu;  // s, roughly: the longest run starts first
   double time_limit;    // s, wall clock

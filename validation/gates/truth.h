@@ -42,6 +42,7 @@ std::string why_unfit(const nlohmann::json& runs);
 /// that the ruler itself adds, in the observable's unit. A point without the continuum's runs has no judgement: no rows, and
 /// inconclusive. `code_spread`: by observable, the relative standard uncertainty u_codes to take where one discrete code alone ran; without it
 /// such a row is inconclusive.
-TruthJudgement judge_truth(const nlohmann::json& point, const std::map<std::string, double>& code_spread = {});
+TruthJudgement judge_truth(const nlohmann::json& point,
+                           const std::map<std::string, double>& code_spread = {});
 
 }  // namespace talus::validation
