@@ -298,15 +298,6 @@ TEST_F(WholeChain, StaleResultsNeverPass) {
   EXPECT_THAT(accepted.output, HasSubstr("run the suite again before accepting"));
 }
 
-TEST_F(WholeChain, APartOfASuiteDoesNotPassForTheWhole) {
-  auto part = results();
-  part["tag"] = "collapse";
-  const TestFolder temporary;
-  std::ofstream(temporary.path() / "results.json") << part.dump();
-  EXPECT_THAT(judged("check", temporary.path(), temporary.path(), {"--gate", "truth"}).exit_code,
-              ::testing::AnyOf(1, 3));
-}
-
 TEST_F(WholeChain, HalfWrittenResultsAreRefused) {
   const TestFolder temporary;
   const auto& folder = temporary.path();
