@@ -1,0 +1,66 @@
+// Rigid bodies: solids that move, by Newton's and Euler's laws, or as they are told (method.md, section 10).
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <string>
+#include <variant>
+
+#include "continuum/solids/shape.h"
+
+namespace talus {
+
+/// Where a body is and how it moves.
+struct Pose {
+  Eigen::Vector3d position;        // of the centre of mass, m
+  Eigen::Quaterniond orientation;  // turns the body's own axes into those of space
+};
+struct Twist {
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          // of the centre of mass, m/s
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // rad/s, in space
+};
+
+/// Moves as forces have it.
+struct Free {};
+
+/// Turns about a fixed axis alone.
+struct Hinge {
+  Eigen::Vector3d pivot;  // m, a point of the axis
+  Eigen::Vector3d axis;   // unit vector
+  double torque = 0.0;    // N m about the axis, on the body, constant
+};
+
+/// Keeps the twist that it has, whatever pushes it: moves along a line and turns about its centre of mass. From `start` to
+/// `end` (s); at rest before and after.
+struct Prescribed {
+  Twist twist;
+  double start = 0.0;
+  double end;
+};
+
+struct Body {
+  std::string name;
+  Shape shape;      // about its centre of mass and along its own axes
+  double density;   // kg/m^3
+  double mass;      // kg
+  Eigen::Matrix3d inertia;  // kg m^2, about the centre of mass, along its own axes
+  double friction;          // mu_w against sand, or as_rough_as_sand
+  double contact_friction;  // against bodies and walls
+  double restitution;       // the same
+  std::variant<Free, Hinge, Prescribed> motion;
+  Pose pose;
+  Twist twist;
+};
+
+/// Distance from a point in space (m) to the body's surface, m, negative inside it.
+double signed_distance(const Body& body, const Eigen::Vector3d& point);
+/// An axis-aligned box in space that holds the body, m.
+Eigen::AlignedBox3d bounds(const Body& body);
+/// Velocity of the body's material at a point in space, m/s.
+Eigen::Vector3d velocity_at(const Body& body, const Eigen::Vector3d& point);
+
+/// What an impulse and an angular impulse about the centre of mass change a body's twist by: 6 x 6, (velocity, angular
+/// velocity) per (impulse, angular impulse). A hinge leaves one degree of freedom; 0 where the motion is prescribed.
+Eigen::Matrix<double, 6, 6> inverse_mass(const Body& body);
+
+}  // namespace talus
