@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <limits>
+#include <span>
 #include <string>
 #include <variant>
 
@@ -35,32 +37,54 @@ struct Hinge {
 struct Prescribed {
   Twist twist;
   double start = 0.0;
-  double end;
+  double end = std::numeric_limits<double>::infinity();
 };
+
+using BodyMotion = std::variant<Free, Hinge, Prescribed>;
 
 struct Body {
   std::string name;
-  Shape shape;      // about its centre of mass and along its own axes
-  double density;   // kg/m^3
-  double mass;      // kg
+  Shape shape;              // about its centre of mass and along its own axes
+  double density;           // kg/m^3
+  double mass;              // kg
   Eigen::Matrix3d inertia;  // kg m^2, about the centre of mass, along its own axes
   double friction;          // mu_w against sand, or as_rough_as_sand
   double contact_friction;  // against bodies and walls
   double restitution;       // the same
-  std::variant<Free, Hinge, Prescribed> motion;
+  BodyMotion motion;
   Pose pose;
   Twist twist;
 };
 
+/// A body at time zero, along the axes of space and where `shape` lies, of uniform density (kg/m^3); a mesh gets its samples.
+/// Friction against sand is as_rough_as_sand, contact_friction and restitution are zero, until the caller sets them. `twist` is
+/// for free bodies; of a hinge its angular velocity about the axis counts, and where motion is prescribed that has it all. Throws
+/// std::invalid_argument for a shape with a body_fault (mass_properties.h).
+Body make_body(std::string name, const Shape& shape, double density, const BodyMotion& motion = Free{},
+               const Twist& twist = {});
+
 /// Distance from a point in space (m) to the body's surface, m, negative inside it.
 double signed_distance(const Body& body, const Eigen::Vector3d& point);
-/// An axis-aligned box in space that holds the body, m.
+/// An axis-aligned box in space that holds the body, m: the smallest one but for meshes.
 Eigen::AlignedBox3d bounds(const Body& body);
 /// Velocity of the body's material at a point in space, m/s.
 Eigen::Vector3d velocity_at(const Body& body, const Eigen::Vector3d& point);
 
+/// The grid sees solids at the corners of its cells and would miss what is thinner than a cell. signed_distance - thickening is
+/// the distance to a body that is swollen by so much (m) that it is `least_thickness` (m) thick where it is thickest; zero for
+/// those that are anyway. Does not depend on pose: ask once. A mesh whose thin parts hang on a thick one gets no thicker.
+double thickening(const Body& body, double least_thickness);
+
 /// What an impulse and an angular impulse about the centre of mass change a body's twist by: 6 x 6, (velocity, angular
 /// velocity) per (impulse, angular impulse). A hinge leaves one degree of freedom; 0 where the motion is prescribed.
 Eigen::Matrix<double, 6, 6> inverse_mass(const Body& body);
+
+/// Moves the body from `time` to `time` + dt with the twist that it has, without forces (also without a hinge's torque): free
+/// ones keep their angular momentum in the turn, so their angular velocity changes; hinged ones turn about the pivot;
+/// those of prescribed motion move between its start and end, and then have the twist of `time` + dt.
+void integrate(Body& body, double time, double dt);
+
+/// When the next prescribed motion starts or ends after `time`, s; infinite when none does.
+double next_motion_change(std::span<const Body> bodies, double time);
 
 }  // namespace talus

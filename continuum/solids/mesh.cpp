@@ -200,6 +200,29 @@ Mesh read_mesh(const std::filesystem::path& file, double scale, const Eigen::Vec
   return {std::make_shared<const MeshSurface>(std::move(surface))};
 }
 
+std::vector<Triangle> triangles_of(const Mesh& mesh) {
+  const Surface& surface = mesh.surface->surface;
+  std::vector<Triangle> triangles;
+  triangles.reserve(surface.number_of_faces());
+  for (const auto face : surface.faces()) {
+    Triangle triangle;
+    std::size_t corner = 0;
+    for (const auto vertex : surface.vertices_around_face(surface.halfedge(face))) {
+      const Point& at = surface.point(vertex);
+      triangle[corner++] = {at.x(), at.y(), at.z()};
+    }
+    triangles.push_back(triangle);
+  }
+  return triangles;
+}
+
+Mesh shifted(const Mesh& mesh, const Eigen::Vector3d& by) {
+  Surface surface = mesh.surface->surface;
+  for (const auto vertex : surface.vertices())
+    surface.point(vertex) = surface.point(vertex) + Kernel::Vector_3(by[0], by[1], by[2]);
+  return {std::make_shared<const MeshSurface>(std::move(surface))};
+}
+
 double signed_distance(const Mesh& mesh, const Eigen::Vector3d& point) {
   const Point at = to_point(point);
   const double distance = std::sqrt(mesh.surface->tree.squared_distance(at));

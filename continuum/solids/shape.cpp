@@ -20,6 +20,13 @@ double signed_distance(const Sphere& sphere, const Eigen::Vector3d& point) {
   return (point - sphere.centre).norm() - sphere.radius;
 }
 
+double signed_distance(const Capsule& capsule, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d along = capsule.to - capsule.from, offset = point - capsule.from;
+  const double squared = along.squaredNorm();
+  const double share = squared > 0.0 ? std::clamp(offset.dot(along) / squared, 0.0, 1.0) : 0.0;
+  return (offset - share * along).norm() - capsule.radius;
+}
+
 Eigen::AlignedBox3d all_space() {
   const Eigen::Vector3d infinite = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   return {-infinite, infinite};
@@ -35,6 +42,11 @@ Eigen::AlignedBox3d bounds(const Box& box) {
 Eigen::AlignedBox3d bounds(const Sphere& sphere) {
   const Eigen::Vector3d reach = Eigen::Vector3d::Constant(sphere.radius);
   return {sphere.centre - reach, sphere.centre + reach};
+}
+
+Eigen::AlignedBox3d bounds(const Capsule& capsule) {
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(capsule.radius);
+  return {capsule.from.cwiseMin(capsule.to) - reach, capsule.from.cwiseMax(capsule.to) + reach};
 }
 
 }  // namespace

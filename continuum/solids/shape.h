@@ -1,5 +1,6 @@
 // The shapes that solids have: where a point is, as a signed distance d(x) to the surface, exact and in m, d < 0 inside,
-// d > 0 outside; so |grad d| = 1 wherever one surface point alone is nearest.
+// d > 0 outside; so |grad d| = 1 wherever one surface point alone is nearest. Only sampled meshes, which bodies have, are not
+// exact (sampled_mesh.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -8,6 +9,7 @@
 
 #include "continuum/solids/mesh.h"
 #include "continuum/solids/revolved.h"
+#include "continuum/solids/sampled_mesh.h"
 
 namespace talus {
 
@@ -28,8 +30,14 @@ struct Sphere {
   double radius;           // m
 };
 
+/// All that is nearer than the radius to the segment between two points.
+struct Capsule {
+  Eigen::Vector3d from, to;  // m
+  double radius;             // m
+};
+
 struct Shape {
-  std::variant<Plane, Box, Sphere, Revolved, Mesh> geometry;
+  std::variant<Plane, Box, Sphere, Revolved, Mesh, Capsule, SampledMesh> geometry;
   /// Then the solid is all the space around the geometry, as the glass is around the sand of an hourglass.
   bool hollow = false;
 };

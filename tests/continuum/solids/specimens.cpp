@@ -50,6 +50,24 @@ Specimen sphere() {
   return {{Sphere{base, 0.6}}, surface, [](const auto& p) { return (p - base).squaredNorm() < 0.36; }};
 }
 
+Specimen capsule() {
+  const double half_length = 0.4, radius = 0.3;
+  SurfaceSamples surface;
+  surface.add_band(base, oblique, {radius, -half_length}, {radius, half_length}, spacing);
+  for (int i = 0; i < 100; ++i) {
+    const double a = 0.5 * std::numbers::pi * i / 100, b = 0.5 * std::numbers::pi * (i + 1) / 100;
+    for (const double side : {-1.0, 1.0}) {
+      surface.add_band(base, oblique, {radius * std::cos(a), side * (half_length + radius * std::sin(a))},
+                       {radius * std::cos(b), side * (half_length + radius * std::sin(b))}, spacing);
+    }
+  }
+  const auto inside = [=](const Eigen::Vector3d& p) {
+    const double z = oblique.dot(p - base), beyond = std::max(0.0, std::abs(z) - half_length);
+    return oblique.cross(p - base).squaredNorm() + beyond * beyond < radius * radius;
+  };
+  return {{Capsule{base - half_length * oblique, base + half_length * oblique, radius}}, surface, inside};
+}
+
 /// `corners`: from axis to axis, or closed by repeating the first; `inside(r, z)`.
 template <class Inside>
 Specimen turned(const Revolved& solid, const std::vector<Eigen::Vector2d>& corners, Inside inside) {
@@ -147,6 +165,7 @@ std::vector<SpecimenMaker> specimens() {
           {"Box", box},
           {"RotatedBox", rotated_box},
           {"Sphere", sphere},
+          {"Capsule", capsule},
           {"Cylinder", a_cylinder},
           {"UprightCylinder", upright_cylinder},
           {"PointedCone", pointed_cone},
