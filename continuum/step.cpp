@@ -6,7 +6,8 @@
 
 #include "continuum/parallel.h"
 #include "continuum/particles/sort.h"
-#include "continuum/solids/move_bodies.h"
+#include "continuum/solids/body_contacts.h"
+#include "continuum/solids/body_step.h"
 #include "continuum/stress/shear_rate.h"
 
 namespace talus {
@@ -76,9 +77,8 @@ void count_departed(State& state, StepReport& report) {
   report.mass_left += departed.mass;
 }
 
-/// Adds to the bodies' twists what they do to each other and what walls do to them in dt.
-void resolve_contacts(const State& state, double dt, std::vector<Twist>& twists) {
-  (void)state, (void)dt, (void)twists;  // TODO
+BodySurroundings around_bodies(const State& state) {
+  return {state.grid, state.sides, state.walls, state.gravity};
 }
 
 /// The change of velocity that solver tolerances are measured in: g dt, or without gravity what crosses
@@ -150,7 +150,7 @@ std::vector<Twist> twists_without_sand(const State& state, std::span<const Twist
   for (std::size_t b = 0; state.warm && b < with_sand.size(); ++b)
     with_sand[b] = with_sand[b] + dt * state.warm->sand_acceleration[b];
   std::vector<Twist> touched = with_sand;
-  resolve_contacts(state, dt, touched);
+  resolve_contacts(state.bodies, around_bodies(state), state.time, dt, touched);
   std::vector<Twist> twists;
   for (std::size_t b = 0; b < touched.size(); ++b)
     twists.push_back(accelerated[b] + (touched[b] - with_sand[b]));
@@ -232,9 +232,8 @@ void move_bodies(State& state, const Flow& flow, double dt) {
   if (state.bodies.empty()) return;
   std::vector<Twist> twists;
   for (std::size_t b = 0; b < flow.pushed.size(); ++b) twists.push_back(flow.accelerated[b] + flow.pushed[b]);
-  resolve_contacts(state, dt, twists);
   set_twists(twists, state.bodies);
-  for (Body& body : state.bodies) integrate(body, state.time, dt);
+  talus::move_bodies(state.bodies, around_bodies(state), state.time, dt);
   find_openings(state);
 }
 
@@ -316,10 +315,8 @@ StepReport empty_step(State& state, Stopwatch& watch, StepReport report) {
   report.packing.solve.converged = true;
   state.warm.reset();
   if (!state.bodies.empty()) {
-    std::vector<Twist> twists = accelerated_twists(state.bodies, state.gravity, report.dt);
-    resolve_contacts(state, report.dt, twists);
-    set_twists(twists, state.bodies);
-    for (Body& body : state.bodies) integrate(body, state.time, report.dt);
+    set_twists(accelerated_twists(state.bodies, state.gravity, report.dt), state.bodies);
+    talus::move_bodies(state.bodies, around_bodies(state), state.time, report.dt);
     find_openings(state);
   }
   advance_time(state, report.dt, report);

@@ -102,12 +102,15 @@ void advance(const Free&, Body& body, double, double dt) {
   body.twist.angular_velocity = inverse_inertia(body, body.pose.orientation) * momentum;
 }
 
-void advance(const Hinge& hinge, Body& body, double, double dt) {
+void turn_about(const Hinge& hinge, double angle, Body& body) {
   const double rate = hinge.axis.dot(body.twist.angular_velocity);
-  const Vector3d angle = dt * rate * hinge.axis;
-  turn(body, angle);
-  body.pose.position = hinge.pivot + turn_by(angle) * (body.pose.position - hinge.pivot);
+  turn(body, angle * hinge.axis);
+  body.pose.position = hinge.pivot + turn_by(angle * hinge.axis) * (body.pose.position - hinge.pivot);
   body.twist = twist_of(hinge, rate, body.pose.position);
+}
+
+void advance(const Hinge& hinge, Body& body, double, double dt) {
+  turn_about(hinge, dt * hinge.axis.dot(body.twist.angular_velocity), body);
 }
 
 void advance(const Prescribed& motion, Body& body, double time, double dt) {
@@ -122,6 +125,15 @@ Twist starting_twist(const Hinge& hinge, const Body& body, const Twist& given) {
   return twist_of(hinge, hinge.axis.dot(given.angular_velocity), body.pose.position);
 }
 Twist starting_twist(const Prescribed& motion, const Body&, const Twist&) { return twist_at(motion, 0.0); }
+
+void shift(const Free&, const Twist& by, Body& body) {
+  body.pose.position += by.velocity;
+  turn(body, by.angular_velocity);
+}
+void shift(const Hinge& hinge, const Twist& by, Body& body) {
+  turn_about(hinge, hinge.axis.dot(by.angular_velocity), body);
+}
+void shift(const Prescribed&, const Twist&, Body&) {}
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
@@ -171,6 +183,11 @@ Eigen::AlignedBox3d bounds(const Body& body) {
                     body.shape.geometry);
 }
 
+double outer_radius(const Body& body) {
+  const Eigen::AlignedBox3d own = bounds(body.shape);
+  return own.min().cwiseAbs().cwiseMax(own.max().cwiseAbs()).norm();
+}
+
 Vector3d velocity_at(const Body& body, const Vector3d& point) {
   return body.twist.velocity + body.twist.angular_velocity.cross(point - body.pose.position);
 }
@@ -185,6 +202,10 @@ Matrix6d inverse_mass(const Body& body) {
 
 void integrate(Body& body, double time, double dt) {
   std::visit([&](const auto& motion) { advance(motion, body, time, dt); }, body.motion);
+}
+
+void displace(Body& body, const Twist& by) {
+  std::visit([&](const auto& motion) { shift(motion, by, body); }, body.motion);
 }
 
 double next_motion_change(std::span<const Body> bodies, double time) {

@@ -67,6 +67,8 @@ Body make_body(std::string name, const Shape& shape, double density, const BodyM
 double signed_distance(const Body& body, const Eigen::Vector3d& point);
 /// An axis-aligned box in space that holds the body, m: the smallest one but for meshes.
 Eigen::AlignedBox3d bounds(const Body& body);
+/// Radius of a ball about the centre of mass that holds the body, m.
+double outer_radius(const Body& body);
 /// Velocity of the body's material at a point in space, m/s.
 Eigen::Vector3d velocity_at(const Body& body, const Eigen::Vector3d& point);
 
@@ -83,6 +85,10 @@ Eigen::Matrix<double, 6, 6> inverse_mass(const Body& body);
 /// ones keep their angular momentum in the turn, so their angular velocity changes; hinged ones turn about the pivot;
 /// those of prescribed motion move between its start and end, and then have the twist of `time` + dt.
 void integrate(Body& body, double time, double dt);
+
+/// Moves the body by so much (m, rad) without giving it velocity; a hinge turns by what of it is about its axis. Prescribed motion
+/// has no such freedom: nothing happens.
+void displace(Body& body, const Twist& by);
 
 /// When the next prescribed motion starts or ends after `time`, s; infinite when none does.
 double next_motion_change(std::span<const Body> bodies, double time);

@@ -115,6 +115,19 @@ Revolved cylinder(const Eigen::Vector3d& base, const Eigen::Vector3d& axis, doub
   return cone(base, axis, radius, radius, height);
 }
 
+std::optional<CylinderSize> cylinder_size(const Revolved& solid) {
+  if (solid.profile.size() != 4) return std::nullopt;
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& corner : solid.profile) box.extend(corner);
+  if (box.min()[0] != 0.0) return std::nullopt;
+  for (const Eigen::Vector2d& corner : solid.profile) {
+    const bool of_the_box =
+        (corner.array() == box.min().array() || corner.array() == box.max().array()).all();
+    if (!of_the_box) return std::nullopt;
+  }
+  return CylinderSize{box.max()[0], box.sizes()[1], box.min()[1]};
+}
+
 Revolved hourglass(const Eigen::Vector3d& base, const Eigen::Vector3d& axis, const HourglassSize& size) {
   const double cone_height = (size.bulb_radius - size.neck_radius) / std::tan(size.cone_half_angle);
   const double neck_low = size.bulb_height + cone_height, neck_high = neck_low + size.neck_length;

@@ -34,6 +34,13 @@ Revolved cone(const Eigen::Vector3d& base, const Eigen::Vector3d& axis, double b
               double height);
 Revolved cylinder(const Eigen::Vector3d& base, const Eigen::Vector3d& axis, double radius, double height);
 
+/// Of a solid whose profile is a rectangle on the axis; nothing for others.
+struct CylinderSize {
+  double radius, height;  // m
+  double bottom;          // m, z of its lower end
+};
+std::optional<CylinderSize> cylinder_size(const Revolved& solid);
+
 /// From the base up: a cylindrical bulb, a cone that narrows to the neck, the cylindrical neck, and both mirrored.
 struct HourglassSize {
   double bulb_radius, bulb_height;  // m, of the cylindrical part of each bulb; the height may be zero

@@ -1,4 +1,4 @@
-#include "continuum/solids/move_bodies.h"
+#include "continuum/solids/body_step.h"
 
 #include <algorithm>
 #include <limits>

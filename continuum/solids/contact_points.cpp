@@ -1,0 +1,241 @@
+#include "continuum/solids/contact_points.h"
+
+#include <ode/ode.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "continuum/solids/hollow_contact.h"
+#include "continuum/solids/revolved.h"
+#include "continuum/solids/surface_mesh.h"
+
+namespace talus {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr int most_found = 128;       // points of a pair that the library gives
+constexpr std::size_t most_kept = 8;  // of them
+
+struct DestroyGeom {
+  void operator()(dxGeom* geom) const { dGeomDestroy(geom); }
+};
+struct DestroyTriMesh {
+  void operator()(dxTriMeshData* data) const { dGeomTriMeshDataDestroy(data); }
+};
+
+/// One of the library's geometries, with how it lies in the axes of the shape that it stands for.
+struct Geometry {
+  std::vector<double> corners;  // of a mesh's triangles; the library does not copy them
+  std::vector<dTriIndex> indices;
+  std::unique_ptr<dxTriMeshData, DestroyTriMesh> mesh;
+  std::unique_ptr<dxGeom, DestroyGeom> geom;
+  Matrix3d rotation = Matrix3d::Identity();
+  Vector3d position = Vector3d::Zero();
+};
+
+Geometry geometry_of(const Plane& plane) {
+  const Vector3d& n = plane.normal;
+  Geometry made;
+  made.geom.reset(dCreatePlane(nullptr, n[0], n[1], n[2], n.dot(plane.point)));
+  return made;
+}
+
+Geometry geometry_of(const Box& box) {
+  const Vector3d size = 2.0 * box.half_size;
+  Geometry made;
+  made.geom.reset(dCreateBox(nullptr, size[0], size[1], size[2]));
+  made.rotation = box.rotation;
+  made.position = box.centre;
+  return made;
+}
+
+Geometry geometry_of(const Sphere& sphere) {
+  Geometry made;
+  made.geom.reset(dCreateSphere(nullptr, sphere.radius));
+  made.position = sphere.centre;
+  return made;
+}
+
+Matrix3d turn_from_z(const Vector3d& axis) {
+  return Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), axis).toRotationMatrix();
+}
+
+Geometry geometry_of(const Capsule& capsule) {
+  const Vector3d along = capsule.to - capsule.from;
+  if (along.isZero()) return geometry_of(Sphere{capsule.from, capsule.radius});
+  Geometry made;
+  made.geom.reset(dCreateCapsule(nullptr, capsule.radius, along.norm()));
+  made.rotation = turn_from_z(along.normalized());
+  made.position = 0.5 * (capsule.from + capsule.to);
+  return made;
+}
+
+Geometry geometry_of_triangles(const Shape& shape) {
+  Geometry made;
+  for (const Triangle& triangle : surface_mesh(shape)) {
+    for (const Vector3d& corner : triangle) {
+      made.indices.push_back(static_cast<dTriIndex>(made.indices.size()));
+      made.corners.insert(made.corners.end(), corner.begin(), corner.end());
+    }
+  }
+  made.mesh.reset(dGeomTriMeshDataCreate());
+  dGeomTriMeshDataBuildDouble(made.mesh.get(), made.corners.data(), 3 * sizeof(double),
+                              static_cast<int>(made.corners.size() / 3), made.indices.data(),
+                              static_cast<int>(made.indices.size()), 3 * sizeof(dTriIndex));
+  made.geom.reset(dCreateTriMesh(nullptr, made.mesh.get(), nullptr, nullptr, nullptr));
+  return made;
+}
+
+Geometry geometry_of(const Mesh& mesh) { return geometry_of_triangles({mesh}); }
+Geometry geometry_of(const SampledMesh& mesh) { return geometry_of_triangles({mesh}); }
+
+Geometry geometry_of(const Revolved& solid) {
+  const auto size = cylinder_size(solid);
+  if (!size) return geometry_of_triangles({solid});
+  Geometry made;
+  made.geom.reset(dCreateCylinder(nullptr, size->radius, size->height));
+  made.rotation = turn_from_z(solid.axis);
+  made.position = solid.base + (size->bottom + 0.5 * size->height) * solid.axis;
+  return made;
+}
+
+Geometry geometry_of(const Shape& shape) {
+  return std::visit([](const auto& geometry) { return geometry_of(geometry); }, shape.geometry);
+}
+
+/// Planes stand where they were made.
+void place(const Geometry& geometry, const Matrix3d& rotation, const Vector3d& position) {
+  if (dGeomGetClass(geometry.geom.get()) == dPlaneClass) return;
+  const Matrix3d turned = rotation * geometry.rotation;
+  const Vector3d at = rotation * geometry.position + position;
+  dMatrix3 rows{};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) rows[4 * i + j] = turned(i, j);
+  }
+  dGeomSetPosition(geometry.geom.get(), at[0], at[1], at[2]);
+  dGeomSetRotation(geometry.geom.get(), rows);
+}
+
+/// The deepest, and then always the one furthest from those there are.
+void thin_out(std::vector<ContactPoint>& points) {
+  for (std::size_t kept = 0; kept < std::min(points.size(), most_kept); ++kept) {
+    const auto merit = [&](const ContactPoint& point) {
+      if (kept == 0) return point.depth;
+      double nearest = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < kept; ++i)
+        nearest = std::min(nearest, (points[i].position - point.position).squaredNorm());
+      return nearest;
+    };
+    const auto first = points.begin() + static_cast<std::ptrdiff_t>(kept);
+    const auto best = std::max_element(first, points.end(),
+                                       [&](const auto& a, const auto& b) { return merit(a) < merit(b); });
+    std::iter_swap(first, best);
+  }
+  if (points.size() > most_kept)
+    points.erase(points.begin() + static_cast<std::ptrdiff_t>(most_kept), points.end());
+}
+
+Vector3d vector_of(const dReal* of) { return {of[0], of[1], of[2]}; }
+
+void add_contacts(int first, int second, const Geometry& a, const Geometry& b,
+                  std::vector<ContactPoint>& contacts) {
+  std::array<dContactGeom, most_found> found;
+  const int count =
+      dCollide(a.geom.get(), b.geom.get(), most_found, found.data(), static_cast<int>(sizeof(dContactGeom)));
+  std::vector<ContactPoint> points;
+  for (int i = 0; i < count; ++i) {
+    const dContactGeom& contact = found[static_cast<std::size_t>(i)];
+    const Vector3d normal = vector_of(contact.normal);
+    if (!(normal.norm() > 0.5)) continue;  // meshes give some without
+    points.push_back({first, second, vector_of(contact.pos), normal.normalized(), contact.depth});
+  }
+  thin_out(points);
+  contacts.insert(contacts.end(), points.begin(), points.end());
+}
+
+void add_contacts_with_hollow(int first, const Body& body, const Shape& wall,
+                              std::vector<ContactPoint>& contacts) {
+  if (signed_distance(wall, body.pose.position) > outer_radius(body)) return;
+  std::vector<ContactPoint> points;
+  for (const SurfaceContact& contact : touch_by_points(body, wall))
+    points.push_back({first, no_body, contact.position, contact.normal, contact.depth});
+  thin_out(points);
+  contacts.insert(contacts.end(), points.begin(), points.end());
+}
+
+bool prescribed(const Body& body) { return std::holds_alternative<Prescribed>(body.motion); }
+
+void start_library() {
+  [[maybe_unused]] static const int started = dInitODE2(0);  // for the life of the program
+  dAllocateODEDataForThread(dAllocateMaskAll);
+}
+
+}  // namespace
+
+struct ContactFinder::Geometries {
+  struct Obstacle {
+    Geometry geometry;
+    Eigen::AlignedBox3d box;
+    int wall;  // -1: a side of the domain
+  };
+  std::vector<Geometry> bodies;
+  std::vector<Obstacle> obstacles;
+};
+
+ContactFinder::ContactFinder(std::span<const Body> bodies, const BodySurroundings& surroundings)
+    : surroundings_(surroundings), geometries_(std::make_unique<Geometries>()) {
+  start_library();
+  for (const Body& body : bodies) geometries_->bodies.push_back(geometry_of(body.shape));
+  for (std::size_t w = 0; w < surroundings.walls.size(); ++w) {
+    const Shape& shape = surroundings.walls[w].shape;
+    if (shape.hollow) continue;
+    geometries_->obstacles.push_back({geometry_of(shape), bounds(shape), static_cast<int>(w)});
+    place(geometries_->obstacles.back().geometry, Matrix3d::Identity(), Vector3d::Zero());
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    for (const std::size_t end : {0U, 1U}) {
+      if (surroundings.grid.periodic[a] || !surroundings.sides[a][end].wall) continue;
+      const Plane side{end == 0 ? surroundings.grid.origin : surroundings.grid.upper(),
+                       (end == 0 ? 1.0 : -1.0) * Vector3d::Unit(axis)};
+      geometries_->obstacles.push_back({geometry_of(side), bounds(Shape{side}), -1});
+    }
+  }
+}
+
+ContactFinder::~ContactFinder() = default;
+
+std::vector<ContactPoint> ContactFinder::find(std::span<const Body> bodies, double time) {
+  std::vector<ContactPoint> contacts;
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Body& body = bodies[i];
+    place(geometries_->bodies[i], body.pose.orientation.toRotationMatrix(), body.pose.position);
+    boxes.push_back(bounds(body));
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const int first = static_cast<int>(i);
+    for (std::size_t j = i + 1; j < bodies.size(); ++j) {
+      if (prescribed(bodies[i]) && prescribed(bodies[j])) continue;
+      if (boxes[i].intersects(boxes[j]))
+        add_contacts(first, static_cast<int>(j), geometries_->bodies[i], geometries_->bodies[j], contacts);
+    }
+    if (prescribed(bodies[i])) continue;
+    for (const Geometries::Obstacle& obstacle : geometries_->obstacles) {
+      const bool stands =
+          obstacle.wall < 0 || surroundings_.walls[static_cast<std::size_t>(obstacle.wall)].stands_at(time);
+      if (stands && boxes[i].intersects(obstacle.box))
+        add_contacts(first, no_body, geometries_->bodies[i], obstacle.geometry, contacts);
+    }
+    for (const Wall& wall : surroundings_.walls) {
+      if (wall.shape.hollow && wall.stands_at(time))
+        add_contacts_with_hollow(first, bodies[i], wall.shape, contacts);
+    }
+  }
+  return contacts;
+}
+
+}  // namespace talus
