@@ -13,10 +13,26 @@ struct Lattice {
   double mass;  // kg, of each
 };
 
+/// As wide as the grid sees bodies.
+std::vector<double> swellings_of(const Scene& scene) {
+  std::vector<double> swellings;
+  for (const Body& body : scene.bodies)
+    swellings.push_back(thickening(body, least_body_thickness * scene.grid.spacing));
+  return swellings;
+}
+
+bool in_a_body(const Scene& scene, const std::vector<double>& swellings, const Eigen::Vector3d& position) {
+  for (std::size_t b = 0; b < swellings.size(); ++b) {
+    if (signed_distance(scene.bodies[b], position) < swellings[b]) return true;
+  }
+  return false;
+}
+
 /// A lattice that fills the shape's bounds exactly, as near to n per cell and axis as whole numbers allow; of it, what
-/// lies in the shape and outside walls.
+/// lies in the shape and outside walls and bodies.
 template <class Random>
 Lattice fill(const Scene& scene, const Filling& filling, Random& symmetric) {
+  const std::vector<double> swellings = swellings_of(scene);
   const Eigen::AlignedBox3d box = bounds(filling.shape);
   const Eigen::Vector3d size = box.sizes();
   const Eigen::Vector3d count =
@@ -30,7 +46,7 @@ Lattice fill(const Scene& scene, const Filling& filling, Random& symmetric) {
         for (int axis = 0; axis < 3; ++axis) at[axis] += 0.5 * scene.jitter * symmetric();
         const Eigen::Vector3d position = box.min() + at.cwiseProduct(spacing);
         if (signed_distance(filling.shape, position) > 0.0 ||
-            nearest_wall(scene.walls, 0.0, position).distance < 0.0)
+            nearest_wall(scene.walls, 0.0, position).distance < 0.0 || in_a_body(scene, swellings, position))
           continue;
         for (const Filling* earlier = scene.fillings.data(); earlier != &filling; ++earlier) {
           if (signed_distance(earlier->shape, position) < -1e-9 * scene.grid.spacing)
@@ -43,7 +59,7 @@ Lattice fill(const Scene& scene, const Filling& filling, Random& symmetric) {
   }
   if (lattice.positions.empty())
     throw InputError(
-        fmt::format("{}: a [[sand]] shape holds no particle: it lies inside walls, or is too small",
+        fmt::format("{}: a [[sand]] shape holds no particle: it lies inside walls or bodies, or is too small",
                     scene.file.string()));
   return lattice;
 }

@@ -183,7 +183,7 @@ double reach(const Body& body, double dt) {
   return dt * (body.twist.velocity.norm() + body.twist.angular_velocity.norm() * outer_radius(body));
 }
 
-bool may_touch_a_wall(const Body& body, const Surroundings& surroundings, double time, double margin) {
+bool may_touch_a_wall(const Body& body, const BodySurroundings& surroundings, double time, double margin) {
   const Grid& grid = surroundings.grid;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
@@ -197,7 +197,7 @@ bool may_touch_a_wall(const Body& body, const Surroundings& surroundings, double
 
 /// Into how many parts a step is cut.
 int parts_of_step(std::span<const Body> bodies, std::span<const double> inradii,
-                  const Surroundings& surroundings, double time, double dt) {
+                  const BodySurroundings& surroundings, double time, double dt) {
   std::vector<Eigen::AlignedBox3d> boxes;
   for (const Body& body : bodies) {
     const Vector3d margin = Vector3d::Constant(reach(body, dt));
@@ -219,13 +219,13 @@ int parts_of_step(std::span<const Body> bodies, std::span<const double> inradii,
 
 }  // namespace
 
-void resolve_contacts(std::span<const Body> bodies, const Surroundings& surroundings, double time, double dt,
-                      std::span<Twist> twists) {
+void resolve_contacts(std::span<const Body> bodies, const BodySurroundings& surroundings, double time,
+                      double dt, std::span<Twist> twists) {
   ContactFinder finder(bodies, surroundings);
   solve_velocities(bodies, finder.find(bodies, time), surroundings.gravity.norm() * dt, twists);
 }
 
-int move_bodies(std::span<Body> bodies, const Surroundings& surroundings, double time, double dt) {
+int move_with_contacts(std::span<Body> bodies, const BodySurroundings& surroundings, double time, double dt) {
   if (bodies.empty()) return 0;
   std::vector<double> inradii;
   for (const Body& body : bodies) inradii.push_back(inradius(body.shape));

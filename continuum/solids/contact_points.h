@@ -14,7 +14,7 @@
 namespace talus {
 
 /// What stands about the bodies; all of it outlives its users.
-struct Surroundings {
+struct BodySurroundings {
   const Grid& grid;
   const DomainSides& sides;
   std::span<const Wall> walls;
@@ -39,7 +39,7 @@ struct ContactPoint {
 /// of such a wall stands out between them, as the edge of an opening may, is not seen. Bodies do not touch over a periodic seam.
 class ContactFinder {
  public:
-  ContactFinder(std::span<const Body> bodies, const Surroundings& surroundings);
+  ContactFinder(std::span<const Body> bodies, const BodySurroundings& surroundings);
   ~ContactFinder();
   ContactFinder(const ContactFinder&) = delete;
   ContactFinder& operator=(const ContactFinder&) = delete;
@@ -49,7 +49,7 @@ class ContactFinder {
 
  private:
   struct Geometries;
-  const Surroundings surroundings_;
+  const BodySurroundings surroundings_;
   std::unique_ptr<Geometries> geometries_;
 };
 
