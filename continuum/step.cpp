@@ -6,6 +6,7 @@
 
 #include "continuum/parallel.h"
 #include "continuum/particles/sort.h"
+#include "continuum/solids/move_bodies.h"
 #include "continuum/stress/shear_rate.h"
 
 namespace talus {
@@ -16,7 +17,9 @@ double time_step(const State& state, const StepSettings& settings, double dt_lim
   const double h = state.grid.spacing, g = state.gravity.norm();
   double dt = dt_limit;
   if (g > 0.0) dt = std::min(dt, settings.gravity_courant * std::sqrt(h / g));
-  const double fastest = state.particles.velocities.cwiseAbs().maxCoeff() + g * dt;
+  const double fastest = std::max(state.particles.velocities.cwiseAbs().maxCoeff(),
+                                  fastest_surface(state.bodies, twists_of(state.bodies))) +
+                         g * dt;
   if (fastest > 0.0) dt = std::min(dt, settings.courant * h / fastest);
   for (const Source& source : state.sources) {  // what enters must not come far in its first step
     if (std::isfinite(source.next_layer_time()))
@@ -27,7 +30,7 @@ double time_step(const State& state, const StepSettings& settings, double dt_lim
 
 /// Steps end where gates open and where layers enter, so that neither comes late.
 double next_event(const State& state) {
-  double next = next_opening(state.walls, state.time);
+  double next = std::min(next_opening(state.walls, state.time), next_motion_change(state.bodies, state.time));
   for (const Source& source : state.sources) {
     // A running source is served every step; one that waits, or an empty domain, would let a step run past it.
     if (source.layers == 0 || state.particles.count() == 0) next = std::min(next, source.next_layer_time());
@@ -71,6 +74,11 @@ void count_departed(State& state, StepReport& report) {
   const Departed departed = remove_departed(state.grid, state.particles);
   report.particles_left += departed.count;
   report.mass_left += departed.mass;
+}
+
+/// Adds to the bodies' twists what they do to each other and what walls do to them in dt.
+void resolve_contacts(const State& state, double dt, std::vector<Twist>& twists) {
+  (void)state, (void)dt, (void)twists;  // TODO
 }
 
 /// The change of velocity that solver tolerances are measured in: g dt, or without gravity what crosses
@@ -125,21 +133,46 @@ void correct_density(State& state, const StepSettings& settings, Occupied& now, 
   report.seconds[Phase::region] += watch.lap();
 }
 
-/// v~ on all faces and the stress that gives it.
+/// v~ on all faces and the stress that gives it; and what the sand does to bodies.
 struct Flow {
   Field velocity;
   SchemeStress stress;
+  BodyCoupling bodies;
+  Field speeds;                    // of bodies, with all impulses
+  std::vector<Twist> accelerated;  // by gravity and torques alone
+  std::vector<Twist> pushed;       // by the sand: what it changes
+  std::vector<BodyImpulse> on_bodies;
 };
+
+/// The bodies' twists before the sand acts: by gravity, and by contacts as these would be were the sand to push as it last did.
+std::vector<Twist> twists_without_sand(const State& state, std::span<const Twist> accelerated, double dt) {
+  std::vector<Twist> with_sand(accelerated.begin(), accelerated.end());
+  for (std::size_t b = 0; state.warm && b < with_sand.size(); ++b)
+    with_sand[b] = with_sand[b] + dt * state.warm->sand_acceleration[b];
+  std::vector<Twist> touched = with_sand;
+  resolve_contacts(state, dt, touched);
+  std::vector<Twist> twists;
+  for (std::size_t b = 0; b < touched.size(); ++b)
+    twists.push_back(accelerated[b] + (touched[b] - with_sand[b]));
+  return twists;
+}
 
 Flow flow_of(State& state, const StepSettings& settings, const ActiveRegion& region, const GridState& before,
              double dt, Stopwatch& watch, StepReport& report) {
-  Flow flow{before.velocity, initial_stress(state, settings.scheme, region, dt)};
+  Flow flow{before.velocity, initial_stress(state, settings.scheme, region, dt), {}, {}, {}, {}, {}};
+  std::vector<Twist> without_sand;
+  if (!state.bodies.empty()) {
+    flow.bodies = BodyCoupling(region, state.bodies);
+    flow.accelerated = accelerated_twists(state.bodies, state.gravity, dt);
+    without_sand = twists_without_sand(state, flow.accelerated, dt);
+  }
+  flow.speeds = flow.bodies.speeds(without_sand);
   report.seconds[Phase::carry_over] += watch.lap();
   accelerate(region, state.gravity, dt, flow.velocity);
   const bool cold = !state.warm || state.contact_changed;
   const ProjectionReport projection =
       project(region, before, dt, state.gravity, velocity_scale(state, dt), cold, settings.projection,
-              state.friction_solver, flow.stress, flow.velocity);
+              state.friction_solver, flow.bodies, flow.stress, flow.velocity, flow.speeds);
   report.projection += projection;
   report.seconds += projection.seconds;
   report.seconds[Phase::stress_other] += watch.lap() - projection.seconds.total();
@@ -147,17 +180,29 @@ Flow flow_of(State& state, const StepSettings& settings, const ActiveRegion& reg
     throw NumericalError(
         fmt::format("a face velocity is not finite at t = {:.6g} s, dt = {:.3g} s", state.time, dt));
   }
+  if (!flow.speeds.isFinite().all()) {
+    throw NumericalError(
+        fmt::format("a body's velocity is not finite at t = {:.6g} s, dt = {:.3g} s", state.time, dt));
+  }
+  if (!state.bodies.empty()) {
+    const std::vector<Twist> with_sand = flow.bodies.twists(flow.speeds);
+    for (std::size_t b = 0; b < with_sand.size(); ++b) flow.pushed.push_back(with_sand[b] - without_sand[b]);
+    flow.on_bodies =
+        impulses_on_bodies(region, state.bodies, pressure_of(flow.stress), friction_of(flow.stress, region));
+  }
   return flow;
 }
 
 /// What the next step starts from.
 State::Warm warm_start(const State& state, ActiveRegion&& region, const GridState& before, Flow&& flow,
                        double dt) {
-  Field sheared = shear_rate(region, flow.velocity);
+  Field sheared = shear_rate(region, flow.velocity, flow.bodies, flow.speeds);
   Field confining = confining_pressure(region, before.fill, pressure_of(flow.stress), flow.velocity,
-                                       velocity_scale(state, dt)) /
+                                       velocity_scale(state, dt), flow.bodies, flow.speeds) /
                     (dt * region.grid.spacing * region.grid.spacing);
-  return {std::move(region), std::move(flow.stress), std::move(sheared), std::move(confining), dt};
+  for (Twist& change : flow.pushed) change = 1.0 / dt * change;
+  return {std::move(region),     std::move(flow.stress), std::move(sheared), std::move(confining), dt,
+          std::move(flow.pushed)};
 }
 
 /// Velocities, shapes and positions.
@@ -178,6 +223,32 @@ ReshapeReport reshape(const StepSettings& settings, double dt, State& state) {
   return split_and_merge(state.grid, state.materials, allowed, settings.reshape_rules, dt, state.particles);
 }
 
+void find_openings(State& state) {
+  find_openings(state.grid, state.solids.walls, state.bodies, state.solids.swellings, state.openings);
+}
+
+/// With the sand's impulses, and with contacts as these have it.
+void move_bodies(State& state, const Flow& flow, double dt) {
+  if (state.bodies.empty()) return;
+  std::vector<Twist> twists;
+  for (std::size_t b = 0; b < flow.pushed.size(); ++b) twists.push_back(flow.accelerated[b] + flow.pushed[b]);
+  resolve_contacts(state, dt, twists);
+  set_twists(twists, state.bodies);
+  for (Body& body : state.bodies) integrate(body, state.time, dt);
+  find_openings(state);
+}
+
+/// What particles that met a body gave to it.
+void push_bodies(State& state, StepReport& report) {
+  for (std::size_t b = 0; b < state.bodies.size(); ++b) {
+    const Eigen::Matrix<double, 6, 1>& by_particles = report.collisions.on_bodies[b];
+    Body& body = state.bodies[b];
+    body.twist = body.twist + push(body, by_particles.head<3>(), by_particles.tail<3>());
+    report.on_bodies[b].linear += by_particles.head<3>();
+    report.on_bodies[b].angular += by_particles.tail<3>();
+  }
+}
+
 /// Gates that are due open; layers that are due enter.
 void advance_time(State& state, double dt, StepReport& report) {
   const double event = next_event(state), opening = next_opening(state.walls, state.time);
@@ -186,6 +257,10 @@ void advance_time(State& state, double dt, StepReport& report) {
     state.time = event;  // so that round-off leaves no sliver of a step
   if (opening <= state.time) {
     state.openings = openings_of(state.grid, state.walls, state.time);
+    if (!state.bodies.empty()) {
+      state.solids.walls = std::move(state.openings);
+      find_openings(state);
+    }
     state.contact_changed = true;
   }
   report.mass_added = emit(state.materials, state.time, state.sources, state.particles).mass;
@@ -240,6 +315,13 @@ void hand_over_render_points(const Eigen::Matrix3Xd& centres, const std::vector<
 StepReport empty_step(State& state, Stopwatch& watch, StepReport report) {
   report.packing.solve.converged = true;
   state.warm.reset();
+  if (!state.bodies.empty()) {
+    std::vector<Twist> twists = accelerated_twists(state.bodies, state.gravity, report.dt);
+    resolve_contacts(state, report.dt, twists);
+    set_twists(twists, state.bodies);
+    for (Body& body : state.bodies) integrate(body, state.time, report.dt);
+    find_openings(state);
+  }
   advance_time(state, report.dt, report);
   report.seconds[Phase::other] += watch.lap();
   const Eigen::Matrix3Xd centres = centres_of_owners(state, watch, report);
@@ -248,6 +330,13 @@ StepReport empty_step(State& state, Stopwatch& watch, StepReport report) {
 }
 
 }  // namespace
+
+void add_bodies(State& state, std::vector<Body> bodies) {
+  state.bodies = std::move(bodies);
+  state.solids.walls = std::move(state.openings);
+  state.solids.swellings = swellings(state.bodies, state.grid.spacing);
+  find_openings(state);
+}
 
 StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   Stopwatch watch;
@@ -271,8 +360,14 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   // 3, 4. Gravity, then friction and pressure by staggered projections, give the intermediate velocity; once more with
   // half the time step where that would carry a particle too far.
   Flow flow = flow_of(state, settings, now.region, before, report.dt, watch, report);
-  while (moves_further(now.region, now.points, flow.velocity, report.dt, state.particles,
-                       largest_allowed_move)) {
+  const auto too_far = [&] {
+    const bool bodies =
+        !state.bodies.empty() && fastest_surface(state.bodies, flow.bodies.twists(flow.speeds)) * report.dt >
+                                     largest_allowed_move * state.grid.spacing;
+    return bodies || moves_further(now.region, now.points, flow.velocity, report.dt, state.particles,
+                                   largest_allowed_move);
+  };
+  while (too_far()) {
     report.seconds[Phase::move] += watch.lap();
     ++report.retries;
     report.dt *= 0.5;
@@ -284,7 +379,10 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   const std::vector<Cover> cover = move_render_points(now, before, flow, state, watch, report);
   update_particles(settings, now, before, flow, state, report);
   wrap_positions(state.grid, state.particles.positions);
-  report.collisions = collide_with_walls(state.grid, state.openings, friction, state.particles);
+  report.on_bodies = flow.on_bodies;
+  move_bodies(state, flow, report.dt);
+  report.collisions = collide_with_walls(state.grid, state.openings, friction, state.particles, state.bodies);
+  push_bodies(state, report);
   wrap_positions(state.grid, state.particles.positions);  // a wall may have put them over a seam
   count_departed(state, report);
   report.seconds[Phase::move] += watch.lap();

@@ -13,6 +13,7 @@
 #include "continuum/particles/source.h"
 #include "continuum/particles/transfer.h"
 #include "continuum/phases.h"
+#include "continuum/solids/body.h"
 #include "continuum/solids/wall.h"
 #include "continuum/stress/packing.h"
 #include "continuum/stress/scheme.h"
@@ -24,7 +25,7 @@ struct State {
   Grid grid;
   DomainSides sides;
   std::vector<Wall> walls;
-  Openings openings;  // of the walls that stand now
+  Openings openings;  // of the walls that stand now, and of bodies where they are
   std::vector<Material> materials;
   std::vector<Source> sources;
   Eigen::Vector3d gravity;  // m/s^2
@@ -38,12 +39,22 @@ struct State {
     Field shear_rate;          // 1/s, per cell
     Field confining_pressure;  // Pa, per cell, the skin's too (friction.h)
     double dt;
+    std::vector<Twist> sand_acceleration;  // of bodies, by the sand's forces
   };
   std::optional<Warm> warm;
   bool contact_changed = false;    // since the last step, by a gate
   FrictionSolver friction_solver;  // the step size it has found, and memory
   RenderPoints render_points;      // of the particles; none unless the scene asks for them
+  std::vector<Body> bodies = {};   // by add_bodies alone
+  struct Solids {
+    Openings walls;                 // of walls alone; empty where there are no bodies
+    std::vector<double> swellings;  // m, of bodies (find_openings)
+  };
+  Solids solids = {};
 };
+
+/// Gives the state its bodies; its openings are those of its walls until then.
+void add_bodies(State& state, std::vector<Body> bodies);
 
 /// The step that StepSettings::pic_share is of, in sqrt(h / g).
 inline constexpr double pic_reference_step = 0.25;
@@ -72,12 +83,13 @@ struct StepReport {
   DeformReport deform;
   ReshapeReport reshape;
   HandOverReport render_points;
-  double largest_move = 0.0;        // in cells
-  int retries = 0;                  // with half the time step, since a particle would have moved too far
-  Eigen::Index particles_left = 0;  // left the domain through an open side
-  double mass_left = 0.0;           // kg
-  double mass_added = 0.0;          // kg, by sources
-  PhaseSeconds seconds;             // by the clock on the wall
+  std::vector<BodyImpulse> on_bodies;  // by the sand, N s and N m s
+  double largest_move = 0.0;           // in cells
+  int retries = 0;                     // with half the time step, since a particle would have moved too far
+  Eigen::Index particles_left = 0;     // left the domain through an open side
+  double mass_left = 0.0;              // kg
+  double mass_added = 0.0;             // kg, by sources
+  PhaseSeconds seconds;                // by the clock on the wall
 
   int cap_hits() const { return projection.cap_hits + (packing.solve.converged ? 0 : 1); }
 };

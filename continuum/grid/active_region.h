@@ -76,6 +76,7 @@ struct Contact {
   Eigen::Vector3d normal;  // unit, into the sand
   double area;             // h^2
   double friction;         // mu_w; negative: as rough as the sand itself
+  int body;                // whose surface it is; -1: a fixed wall's
   // The slip velocity at a copy's corner has its three components on these open faces; null where there is none.
   std::array<std::array<int, 3>, copies_per_contact> faces;
   Eigen::Matrix<double, 3, 2> tangents;  // orthonormal
@@ -86,7 +87,9 @@ struct Contact {
 struct Closure {
   int cell;
   int axis;
+  int body;                      // whose surface it is; -1: a fixed wall's
   double normal_share;           // |n_axis|
+  Eigen::Vector3d normal;        // n, into the sand
   std::array<int, 6> faces;      // of the cell; null where not open
   std::array<double, 6> weight;  // strain = sum of weight * velocity
 };

@@ -1,6 +1,8 @@
 #include "continuum/grid/openings.h"
 
 #include <algorithm>
+#include <limits>
+#include <vector>
 
 #include "continuum/grid/stencil.h"
 
@@ -21,22 +23,57 @@ int corner_index(const Grid& grid, const Vector3i& i) {
   return i[0] + (grid.cells[0] + 1) * (i[1] + (grid.cells[1] + 1) * i[2]);
 }
 
+/// Cells from `lower` up to and without `upper`; of the rows that stick out of the domain, those along periodic axes stand for
+/// the rows at the other end.
+struct CellBox {
+  Vector3i lower, upper;
+
+  CellBox grown(int layers) const { return {lower.array() - layers, upper.array() + layers}; }
+};
+
+CellBox within(const Grid& grid, CellBox box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool whole = box.upper[axis] - box.lower[axis] >= grid.cells[axis];
+    if (grid.periodic[static_cast<std::size_t>(axis)] && !whole) continue;
+    box.lower[axis] = std::clamp(box.lower[axis], 0, grid.cells[axis]);
+    box.upper[axis] = std::clamp(box.upper[axis], box.lower[axis], grid.cells[axis]);
+  }
+  return box;
+}
+
 template <class Function>
-void for_each_index(const Vector3i& extent, Function&& f) {
-  for (int k = 0; k < extent[2]; ++k) {
-    for (int j = 0; j < extent[1]; ++j) {
-      for (int i = 0; i < extent[0]; ++i) f(Vector3i(i, j, k));
+void for_each_index(const Vector3i& lower, const Vector3i& upper, Function&& f) {
+  for (int k = lower[2]; k < upper[2]; ++k) {
+    for (int j = lower[1]; j < upper[1]; ++j) {
+      for (int i = lower[0]; i < upper[0]; ++i) f(Vector3i(i, j, k));
     }
   }
 }
+template <class Function>
+void for_each_cell(const Grid& grid, const CellBox& box, Function&& f) {
+  for_each_index(box.lower, box.upper, [&](const Vector3i& i) {
+    f(Vector3i(grid.wrapped(0, i[0]), grid.wrapped(1, i[1]), grid.wrapped(2, i[2])));
+  });
+}
+/// The faces of the box's cells along an axis.
+template <class Function>
+void for_each_face(const Grid& grid, int axis, const CellBox& box, Function&& f) {
+  CellBox faces = box;
+  ++faces.upper[axis];
+  if (grid.periodic[static_cast<std::size_t>(axis)])
+    faces.upper[axis] = std::min(faces.upper[axis], faces.lower[axis] + grid.cells[axis]);
+  for_each_index(faces.lower, faces.upper, [&](const Vector3i& i) {
+    Vector3i at;
+    for (int a = 0; a < 3; ++a) at[a] = grid.wrapped(a, i[a]);
+    f(at);
+  });
+}
 
-void measure_faces(const Grid& grid, Openings& openings) {
+void measure_faces(const Grid& grid, const CellBox& box, Openings& openings) {
   for (int axis = 0; axis < 3; ++axis) {
-    const Vector3i extent = grid.extent(Grid::nodal_of_face(axis));
     auto& shares = openings.faces[static_cast<std::size_t>(axis)];
-    shares.resize(extent.prod());
     const Vector3i b = Vector3i::Unit(next_axis(axis)), c = Vector3i::Unit(last_axis(axis));
-    for_each_index(extent, [&](const Vector3i& i) {
+    for_each_face(grid, axis, box, [&](const Vector3i& i) {
       const double share = positive_share(
           {openings.distance[corner_index(grid, i)], openings.distance[corner_index(grid, i + b)],
            openings.distance[corner_index(grid, i + b + c)], openings.distance[corner_index(grid, i + c)]});
@@ -45,51 +82,160 @@ void measure_faces(const Grid& grid, Openings& openings) {
   }
 }
 
-/// Volume shares from samples of the distance, each counted by how much of its own width is open.
-void measure_volumes(const Grid& grid, Openings& openings) {
+struct CornerRange {
+  double lowest, highest;
+};
+CornerRange corner_range(const Grid& grid, const Openings& openings, const Vector3i& cell) {
+  CornerRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for_each_index(Vector3i::Zero(), Vector3i::Constant(2), [&](const Vector3i& up) {
+    const double distance = openings.distance[corner_index(grid, cell + up)];
+    range.lowest = std::min(range.lowest, distance);
+    range.highest = std::max(range.highest, distance);
+  });
+  return range;
+}
+
+constexpr double sample_share = 1.0 / (samples_per_axis * samples_per_axis * samples_per_axis);
+
+template <class Function>
+void for_each_sample(Function&& f) {
+  for_each_index(Vector3i::Zero(), Vector3i::Constant(samples_per_axis), [&](const Vector3i& s) {
+    f(Vector3d((s.cast<double>().array() + 0.5) / samples_per_axis));
+  });
+}
+
+/// Calls f(local coordinates, how much of the sample's own width is open) for the samples of a cell that are open at all.
+template <class Function>
+void for_each_open_sample(const Grid& grid, const Openings& openings, const Vector3i& cell, Function&& f) {
   const double sample_width = grid.spacing / samples_per_axis;
-  const double sample_share = 1.0 / (samples_per_axis * samples_per_axis * samples_per_axis);
-  openings.cells = openings.cell_kernel = Eigen::ArrayXd::Zero(grid.cells.prod());
-  const auto sample = [&](auto&& f) {
-    for_each_index(grid.cells, [&](const Vector3i& cell) {
-      for_each_index(Vector3i::Constant(samples_per_axis), [&](const Vector3i& s) {
-        const Vector3d local = (s.cast<double>().array() + 0.5) / samples_per_axis;
-        const Vector3d position = grid.origin + grid.spacing * (cell.cast<double>() + local);
-        // Where walls meet the interpolant is no distance, but falls off faster than one; its slope tells how much.
-        const auto [distance, gradient] = distance_at(grid, openings, position);
-        const double open = std::clamp(
-            0.5 + distance / (sample_width * std::clamp(gradient.norm(), smallest_opening, 1.0)), 0.0, 1.0);
-        if (open > 0.0) f(Place{cell, local}, open * sample_share);
-      });
-    });
-  };
-  sample([&](const Place& place, double share) { openings.cells[grid.cell_index(place.cell)] += share; });
-  // A cell whose faces are all closed is closed.
-  for_each_index(grid.cells, [&](const Vector3i& cell) {
-    double faces = 0.0;
+  const CornerRange corners = corner_range(grid, openings, cell);
+  if (corners.highest <= -0.5 * sample_width) return;
+  const bool clear = corners.lowest >= 0.5 * sample_width;
+  for_each_sample([&](const Vector3d& local) {
+    if (clear) return f(local, sample_share);
+    const Vector3d position = grid.origin + grid.spacing * (cell.cast<double>() + local);
+    // Where walls meet the interpolant is no distance, but falls off faster than one; its slope tells how much.
+    const auto [distance, gradient] = distance_at(grid, openings, position);
+    const double open = std::clamp(
+        0.5 + distance / (sample_width * std::clamp(gradient.norm(), smallest_opening, 1.0)), 0.0, 1.0);
+    if (open > 0.0) f(local, open * sample_share);
+  });
+}
+
+/// Volume shares from samples of the distance.
+void measure_cells(const Grid& grid, const CellBox& box, Openings& openings) {
+  for_each_cell(grid, box, [&](const Vector3i& cell) {
+    double faces = 0.0, share = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
       for (int side = 0; side < 2; ++side)
         faces += openings.face_share(axis, grid.face_index(axis, cell + side * Vector3i::Unit(axis)));
     }
-    if (faces == 0.0) openings.cells[grid.cell_index(cell)] = 0.0;
+    // A cell whose faces are all closed is closed.
+    if (faces > 0.0)
+      for_each_open_sample(grid, openings, cell, [&](const Vector3d&, double open) { share += open; });
+    openings.cells[grid.cell_index(cell)] = share;
   });
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    openings.face_kernel[axis] = Eigen::ArrayXd::Zero(openings.faces[axis].size());
-  sample([&](const Place& place, double share) {
-    const auto cell = [&](int dense) { return openings.cells[dense] > 0.0 ? dense : is_closed; };
+}
+
+/// Kernel shares of the cells of a box and of their faces, from the samples of all cells whose kernels reach them.
+struct KernelShares {
+  Eigen::ArrayXd cells;
+  std::array<Eigen::ArrayXd, 3> faces;
+  std::vector<char> sampled;  // cells
+};
+
+void sample_kernels(const Grid& grid, const Openings& openings, const Vector3i& at, KernelShares& kernels) {
+  const auto cell = [&](int dense) { return openings.cells[dense] > 0.0 ? dense : is_closed; };
+  for_each_open_sample(grid, openings, at, [&](const Vector3d& local, double share) {
+    const Place place{at, local};
     const Stencil cells = cell_stencil(grid, place, cell, -1);
     for (std::size_t k = 0; k < 8; ++k) {
-      if (cells.index[k] >= 0) openings.cell_kernel[cells.index[k]] += cells.weight[k] * share;
+      if (cells.index[k] >= 0) kernels.cells[cells.index[k]] += cells.weight[k] * share;
     }
     for (int axis = 0; axis < 3; ++axis) {
       const auto face = [&](int dense) { return openings.face_share(axis, dense) > 0.0 ? dense : is_closed; };
       const Stencil faces = face_stencil(grid, place, axis, face);
-      auto& kernel = openings.face_kernel[static_cast<std::size_t>(axis)];
+      auto& kernel = kernels.faces[static_cast<std::size_t>(axis)];
       for (std::size_t k = 0; k < 8; ++k) {
         if (faces.index[k] >= 0) kernel[faces.index[k]] += faces.weight[k] * share;
       }
     }
   });
+}
+
+void measure_kernels(const Grid& grid, std::span<const CellBox> boxes, Openings& openings) {
+  KernelShares kernels{Eigen::ArrayXd::Zero(openings.cells.size()), {}, {}};
+  kernels.sampled.assign(static_cast<std::size_t>(openings.cells.size()), 0);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    kernels.faces[axis] = Eigen::ArrayXd::Zero(openings.faces[axis].size());
+  for (const CellBox& box : boxes) {
+    for_each_cell(grid, within(grid, box.grown(2)), [&](const Vector3i& cell) {
+      char& sampled = kernels.sampled[static_cast<std::size_t>(grid.cell_index(cell))];
+      if (!sampled) sample_kernels(grid, openings, cell, kernels);
+      sampled = 1;
+    });
+  }
+  for (const CellBox& box : boxes) {
+    const CellBox reached = within(grid, box.grown(1));
+    for_each_cell(grid, reached, [&](const Vector3i& cell) {
+      openings.cell_kernel[grid.cell_index(cell)] = kernels.cells[grid.cell_index(cell)];
+    });
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      // The outer faces of the outermost cells are also reached by cells that were not sampled.
+      CellBox inner = reached;
+      if (!grid.periodic[a]) {
+        inner.lower[axis] += inner.lower[axis] > 0;
+        inner.upper[axis] -= inner.upper[axis] < grid.cells[axis];
+      }
+      for_each_face(grid, axis, inner, [&](const Vector3i& at) {
+        const int face = grid.face_index(axis, at);
+        openings.face_kernel[a][face] = kernels.faces[a][face];
+      });
+    }
+  }
+}
+
+/// All but the distance, which is there.
+void measure(const Grid& grid, std::span<const CellBox> boxes, Openings& openings) {
+  for (const CellBox& box : boxes) measure_faces(grid, box, openings);
+  for (const CellBox& box : boxes) measure_cells(grid, box, openings);
+  measure_kernels(grid, boxes, openings);
+}
+
+double snapped(const Grid& grid, double distance) {
+  return std::abs(distance) < on_surface * grid.spacing ? 0.0 : distance;
+}
+
+Vector3d corner_of(const Grid& grid, const Vector3i& i) {
+  return grid.origin + grid.spacing * i.cast<double>();
+}
+Vector3d centre_of(const Grid& grid, const Vector3i& i) {
+  return grid.origin + grid.spacing * (i.cast<double>().array() + 0.5).matrix();
+}
+
+/// All open; the arrays have their sizes, the distance has no values yet.
+Openings open_space(const Grid& grid) {
+  Openings openings;
+  openings.distance.resize((grid.cells.array() + 1).matrix().prod());
+  openings.friction = Eigen::ArrayXd::Zero(grid.cells.prod());
+  openings.body = Eigen::ArrayXi::Constant(grid.cells.prod(), -1);
+  openings.cells = openings.cell_kernel = Eigen::ArrayXd::Ones(grid.cells.prod());
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    openings.faces[a] = openings.face_kernel[a] =
+        Eigen::ArrayXd::Ones(grid.extent(Grid::nodal_of_face(axis)).prod());
+  }
+  return openings;
+}
+
+/// The cells that a box in space touches, and so many layers around them.
+CellBox cells_around(const Grid& grid, const Eigen::AlignedBox3d& box, int layers) {
+  const Vector3i lower = grid.cell_at(box.min()), upper = grid.cell_at(box.max());
+  CellBox cells = CellBox{lower, upper.array() + 1}.grown(layers);
+  cells.lower = cells.lower.cwiseMax(0).cwiseMin(grid.cells);
+  cells.upper = cells.upper.cwiseMin(grid.cells).cwiseMax(cells.lower);
+  return cells;
 }
 
 }  // namespace
@@ -135,22 +281,47 @@ DistanceAndGradient distance_at(const Grid& grid, const Openings& openings, cons
 }
 
 Openings make_openings(const Grid& grid, const WallDistanceFunction& walls) {
-  Openings openings;
-  const Vector3i corners = grid.cells.array() + 1;
-  openings.distance.resize(corners.prod());
-  for_each_index(corners, [&](const Vector3i& i) {
-    const double distance = walls(grid.origin + grid.spacing * i.cast<double>()).distance;
-    openings.distance[corner_index(grid, i)] =
-        std::abs(distance) < on_surface * grid.spacing ? 0.0 : distance;
+  Openings openings = open_space(grid);
+  for_each_index(Vector3i::Zero(), grid.cells.array() + 1, [&](const Vector3i& i) {
+    openings.distance[corner_index(grid, i)] = snapped(grid, walls(corner_of(grid, i)).distance);
   });
-  openings.friction.resize(grid.cells.prod());
-  for_each_index(grid.cells, [&](const Vector3i& i) {
-    openings.friction[grid.cell_index(i)] =
-        walls(grid.origin + grid.spacing * (i.cast<double>().array() + 0.5).matrix()).friction;
+  const CellBox whole{Vector3i::Zero(), grid.cells};
+  for_each_cell(grid, whole, [&](const Vector3i& i) {
+    const WallDistance nearest = walls(centre_of(grid, i));
+    openings.friction[grid.cell_index(i)] = nearest.friction;
+    openings.body[grid.cell_index(i)] = nearest.body;
   });
-  measure_faces(grid, openings);
-  measure_volumes(grid, openings);
+  measure(grid, {&whole, 1}, openings);
   return openings;
+}
+
+void add_solids(const Grid& grid, const Openings& fixed, std::span<const Eigen::AlignedBox3d> places,
+                const WallDistanceFunction& solids, Openings& openings) {
+  if (fixed.any()) {
+    openings = fixed;
+  } else {
+    openings = open_space(grid);
+    openings.distance.setConstant(grid.spacing * grid.cells.cast<double>().norm());
+  }
+  std::vector<CellBox> boxes;
+  for (const Eigen::AlignedBox3d& place : places) {
+    const CellBox box = cells_around(grid, place, 1);
+    if ((box.upper.array() <= box.lower.array()).any()) continue;
+    boxes.push_back(box);
+    for_each_cell(grid, box, [&](const Vector3i& i) {
+      const WallDistance nearest = solids(centre_of(grid, i));
+      const double to_wall = fixed.any() ? distance_at(grid, fixed, centre_of(grid, i)).distance
+                                         : std::numeric_limits<double>::infinity();
+      if (nearest.distance >= to_wall) return;
+      openings.friction[grid.cell_index(i)] = nearest.friction;
+      openings.body[grid.cell_index(i)] = nearest.body;
+    });
+    for_each_index(box.lower, box.upper.array() + 1, [&](const Vector3i& i) {
+      double& distance = openings.distance[corner_index(grid, i)];
+      distance = std::min(distance, snapped(grid, solids(corner_of(grid, i)).distance));
+    });
+  }
+  measure(grid, boxes, openings);
 }
 
 }  // namespace talus

@@ -9,8 +9,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <functional>
+#include <span>
 
 #include "continuum/grid/grid.h"
 
@@ -26,6 +28,7 @@ struct Openings {
   std::array<Eigen::ArrayXd, 3> face_kernel;
   Eigen::ArrayXd
       friction;  // mu_w of the wall nearest to the cell's centre; negative: as rough as the sand itself
+  Eigen::ArrayXi body;  // whose wall that is, by number; -1: a fixed one
 
   bool any() const { return distance.size() > 0; }
   double face_share(int axis, int dense) const {
@@ -42,10 +45,16 @@ struct Openings {
 struct WallDistance {
   double distance;  // m
   double friction;  // as Openings::friction
+  int body = -1;    // whose it is, by number; -1: fixed
 };
 using WallDistanceFunction = std::function<WallDistance(const Eigen::Vector3d&)>;
 
 Openings make_openings(const Grid& grid, const WallDistanceFunction& walls);
+
+/// What `solids` that lie in `places` (boxes in space, m) leave open of what fixed walls do: as make_openings of both, at the
+/// price of the cells around those places alone. `openings` is overwritten, in its memory.
+void add_solids(const Grid& grid, const Openings& fixed, std::span<const Eigen::AlignedBox3d> places,
+                const WallDistanceFunction& solids, Openings& openings);
 
 /// Trilinear between the corners; the gradient is that of the interpolant. Positions lie inside the domain.
 struct DistanceAndGradient {

@@ -33,7 +33,8 @@ void close(RegionDraft& draft, const Contact& contact, int axis) {
   }
   if (!closed) return;
   const auto& faces = region.cell_faces[static_cast<std::size_t>(contact.cell)];
-  Closure closure{contact.cell, axis, std::abs(contact.normal[axis]), faces, {}};
+  Closure closure{contact.cell, axis, contact.body, std::abs(contact.normal[axis]), contact.normal,
+                  faces,        {}};
   for (std::size_t along = 0; along < 3; ++along) {
     const bool lower = faces[2 * along] != region.null_face();
     const bool upper = faces[2 * along + 1] != region.null_face();
@@ -56,8 +57,9 @@ void find_contact(RegionDraft& draft, int cell) {
   const Eigen::Vector3d area = wall_area(draft, at);
   if (area.norm() < smallest_opening) return;
   const auto& faces = region.cell_faces[static_cast<std::size_t>(cell)];
-  const double friction = draft.openings.friction[draft.grid().cell_index(at)];
-  Contact contact{cell, area.normalized(), area.norm(), friction, {}, {}};
+  const int dense = draft.grid().cell_index(at);
+  const double friction = draft.openings.friction[dense];
+  Contact contact{cell, area.normalized(), area.norm(), friction, draft.openings.body[dense], {}, {}};
   const auto face_or_opposite = [&](int axis, int side) {
     const int face = faces[static_cast<std::size_t>(2 * axis + side)];
     return face == region.null_face() ? faces[static_cast<std::size_t>(2 * axis + 1 - side)] : face;
@@ -72,7 +74,8 @@ void find_contact(RegionDraft& draft, int cell) {
   contact.tangents.col(0) = contact.normal.unitOrthogonal();
   contact.tangents.col(1) = contact.normal.cross(contact.tangents.col(0));
   for (int axis = 0; axis < 3; ++axis) close(draft, contact, axis);
-  if (friction != 0.0) region.contacts.push_back(contact);
+  // Sand moves bodies without friction, too.
+  if (friction != 0.0 || contact.body >= 0) region.contacts.push_back(contact);
 }
 
 }  // namespace

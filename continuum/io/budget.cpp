@@ -19,6 +19,13 @@ Budget::Moment Budget::moment_of(const State& state) {
       -(p.masses *
         (state.gravity.transpose() * (p.positions.colwise() - state.grid.origin)).transpose().array())
            .sum();
+  for (const Body& body : state.bodies) {
+    if (std::holds_alternative<Prescribed>(body.motion)) continue;
+    const Eigen::Vector3d spin = body.pose.orientation.conjugate() * body.twist.angular_velocity;
+    m.bodies_kinetic_energy +=
+        0.5 * (body.mass * body.twist.velocity.squaredNorm() + spin.dot(body.inertia * spin));
+    m.bodies_potential_energy -= body.mass * state.gravity.dot(body.pose.position - state.grid.origin);
+  }
   return m;
 }
 
@@ -27,7 +34,7 @@ double total_energy(const State& state) { return Budget(state).summary()["energy
 Budget::Budget(const State& initial)
     : shortest_step_(std::numeric_limits<double>::infinity()), now_(moment_of(initial)) {
   initial_mass_ = now_.mass;
-  highest_energy_ = initial_energy_ = now_.kinetic_energy + now_.potential_energy;
+  highest_energy_ = initial_energy_ = now_.energy();
 }
 
 void Budget::add(const State& state, const StepReport& report) {
@@ -37,7 +44,7 @@ void Budget::add(const State& state, const StepReport& report) {
   mass_added_ += report.mass_added;
   mass_left_ += report.mass_left;
   particles_left_ += report.particles_left;
-  highest_energy_ = std::max(highest_energy_, now_.kinetic_energy + now_.potential_energy);
+  highest_energy_ = std::max(highest_energy_, now_.energy());
   friction_iterations_ += report.projection.friction_iterations;
   pressure_iterations_ += report.projection.pressure_iterations;
   packing_iterations_ += report.packing.solve.iterations;
@@ -59,20 +66,21 @@ std::string Budget::header() {
          "momentum_z_kg_m_s,kinetic_energy_j,potential_energy_j,bulk_volume_m3,peak_fill,friction_iterations,"
          "pressure_iterations,packing_iterations,friction_residual_m_s,pressure_residual_m_s,cap_hits,"
          "largest_move_cells,wall_collisions,wall_impulse_x_kg_m_s,wall_impulse_y_kg_m_s,"
-         "wall_impulse_z_kg_m_s,splits,merges,merge_energy_lost_j,retries\n";
+         "wall_impulse_z_kg_m_s,splits,merges,merge_energy_lost_j,retries,"
+         "bodies_kinetic_energy_j,bodies_potential_energy_j\n";
 }
 
 std::string Budget::row() const {
   const StepReport& r = last_;
   return fmt::format(
-      "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", steps_,
-      now_.time, r.dt, now_.particles, now_.mass, r.mass_added, r.mass_left, now_.momentum[0],
+      "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+      steps_, now_.time, r.dt, now_.particles, now_.mass, r.mass_added, r.mass_left, now_.momentum[0],
       now_.momentum[1], now_.momentum[2], now_.kinetic_energy, now_.potential_energy, r.packing.bulk_volume,
       r.packing.peak_fill, r.projection.friction_iterations, r.projection.pressure_iterations,
       r.packing.solve.iterations, r.projection.friction_residual, r.projection.pressure_residual,
       r.cap_hits(), r.largest_move, r.collisions.count, r.collisions.impulse[0], r.collisions.impulse[1],
       r.collisions.impulse[2], r.reshape.split.splits, r.reshape.merge.merges, r.reshape.merge.energy_lost,
-      r.retries);
+      r.retries, now_.bodies_kinetic_energy, now_.bodies_potential_energy);
 }
 
 nlohmann::json Budget::summary() const {

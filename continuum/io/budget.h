@@ -9,7 +9,8 @@
 
 namespace talus {
 
-/// Kinetic + potential energy of the particles, J; potential energy is zero at the domain's lower corner.
+/// Kinetic + potential energy of the particles and of the bodies that forces move, J; potential energy is zero at the domain's
+/// lower corner.
 double total_energy(const State& state);
 
 class Budget {
@@ -51,6 +52,11 @@ class Budget {
   /// What the last row tells of the particles.
   struct Moment {
     double time = 0.0, mass = 0.0, kinetic_energy = 0.0, potential_energy = 0.0;
+    double bodies_kinetic_energy = 0.0,
+           bodies_potential_energy = 0.0;  // of those whose motion is not prescribed
+    double energy() const {
+      return kinetic_energy + potential_energy + bodies_kinetic_energy + bodies_potential_energy;
+    }
     Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
     Eigen::Index particles = 0;
   };

@@ -74,18 +74,29 @@ double put_back(const Grid& grid, const Openings& openings, Particles& particles
 }  // namespace
 
 CollisionReport collide_with_walls(const Grid& grid, const Openings& openings, const Eigen::ArrayXd& friction,
-                                   Particles& particles) {
+                                   Particles& particles, std::span<const Body> bodies) {
   if (!openings.any()) return {};
   const auto block = [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     CollisionReport report;
+    report.on_bodies.assign(bodies.size(), Eigen::Matrix<double, 6, 1>::Zero());
     for (std::ptrdiff_t p = begin; p < end; ++p) {
       const double moved =
           put_back(grid, openings, particles, p, [&](const Eigen::Vector3d& normal, int cell) {
             const double wall = openings.friction[cell];
-            const Eigen::Vector3d taken =
-                taken_by_wall(particles.velocities.col(p), normal, wall < 0.0 ? friction[p] : wall);
+            const Body* body = openings.body[cell] >= 0 && !bodies.empty()
+                                   ? &bodies[static_cast<std::size_t>(openings.body[cell])]
+                                   : nullptr;
+            const Eigen::Vector3d position = particles.positions.col(p);
+            Eigen::Vector3d velocity = particles.velocities.col(p);
+            if (body) velocity -= velocity_at(*body, position);
+            const Eigen::Vector3d taken = taken_by_wall(velocity, normal, wall < 0.0 ? friction[p] : wall);
             particles.velocities.col(p) -= taken;
-            report.impulse -= particles.masses[p] * taken;
+            const Eigen::Vector3d impulse = particles.masses[p] * taken;
+            report.impulse -= impulse;
+            if (!body) return;
+            auto& on_body = report.on_bodies[static_cast<std::size_t>(openings.body[cell])];
+            on_body.head<3>() += impulse;
+            on_body.tail<3>() += (position - body->pose.position).cross(impulse);
           });
       report.count += moved > 0.0;
       report.deepest = std::max(report.deepest, moved);

@@ -4,6 +4,7 @@
 
 #include "continuum/files/input_error.h"
 #include "continuum/scene/scene.h"
+#include "continuum/solids/move_bodies.h"
 
 namespace talus {
 namespace {
@@ -14,16 +15,9 @@ struct Lattice {
 };
 
 /// As wide as the grid sees bodies.
-std::vector<double> swellings_of(const Scene& scene) {
-  std::vector<double> swellings;
-  for (const Body& body : scene.bodies)
-    swellings.push_back(thickening(body, least_body_thickness * scene.grid.spacing));
-  return swellings;
-}
-
-bool in_a_body(const Scene& scene, const std::vector<double>& swellings, const Eigen::Vector3d& position) {
-  for (std::size_t b = 0; b < swellings.size(); ++b) {
-    if (signed_distance(scene.bodies[b], position) < swellings[b]) return true;
+bool in_a_body(const Scene& scene, const std::vector<double>& swollen, const Eigen::Vector3d& position) {
+  for (std::size_t b = 0; b < swollen.size(); ++b) {
+    if (signed_distance(scene.bodies[b], position) < swollen[b]) return true;
   }
   return false;
 }
@@ -32,7 +26,7 @@ bool in_a_body(const Scene& scene, const std::vector<double>& swellings, const E
 /// lies in the shape and outside walls and bodies.
 template <class Random>
 Lattice fill(const Scene& scene, const Filling& filling, Random& symmetric) {
-  const std::vector<double> swellings = swellings_of(scene);
+  const std::vector<double> swollen = swellings(scene.bodies, scene.grid.spacing);
   const Eigen::AlignedBox3d box = bounds(filling.shape);
   const Eigen::Vector3d size = box.sizes();
   const Eigen::Vector3d count =
@@ -46,7 +40,7 @@ Lattice fill(const Scene& scene, const Filling& filling, Random& symmetric) {
         for (int axis = 0; axis < 3; ++axis) at[axis] += 0.5 * scene.jitter * symmetric();
         const Eigen::Vector3d position = box.min() + at.cwiseProduct(spacing);
         if (signed_distance(filling.shape, position) > 0.0 ||
-            nearest_wall(scene.walls, 0.0, position).distance < 0.0 || in_a_body(scene, swellings, position))
+            nearest_wall(scene.walls, 0.0, position).distance < 0.0 || in_a_body(scene, swollen, position))
           continue;
         for (const Filling* earlier = scene.fillings.data(); earlier != &filling; ++earlier) {
           if (signed_distance(earlier->shape, position) < -1e-9 * scene.grid.spacing)
@@ -115,6 +109,7 @@ State initial_state(const Scene& scene) {
       ++p;
     }
   }
+  if (!scene.bodies.empty()) add_bodies(state, scene.bodies);
   if (scene.render_points_per_particle > 0) state.render_points = initial_render_points(scene, state);
   return state;
 }

@@ -76,8 +76,6 @@ Eigen::Vector3d velocity_at(const Body& body, const Eigen::Vector3d& point);
 /// the distance to a body that is swollen by so much (m) that it is `least_thickness` (m) thick where it is thickest; zero for
 /// those that are anyway. Does not depend on pose: ask once. A mesh whose thin parts hang on a thick one gets no thicker.
 double thickening(const Body& body, double least_thickness);
-/// What `least_thickness` is where the grid sees bodies, in cells.
-inline constexpr double least_body_thickness = 1.1;
 
 /// What an impulse and an angular impulse about the centre of mass change a body's twist by: 6 x 6, (velocity, angular
 /// velocity) per (impulse, angular impulse). A hinge leaves one degree of freedom; 0 where the motion is prescribed.

@@ -210,13 +210,54 @@ SparseMatrix sparse_contact_divergence(const ActiveRegion& region) {
   return assemble(stress_operator(region, fill), contact_pattern(region));
 }
 
-SparseMatrix sparse_friction(const ActiveRegion& region, const FrictionOperator& friction) {
+namespace {
+
+SparseMatrix sparse_friction_of_faces(const ActiveRegion& region, const FrictionOperator& friction) {
   const auto apply = [&](const Array& x, Array& y) {
     Field faces(region.open_faces + 1);
     friction.apply(x, faces);
     y = faces.head(region.open_faces);
   };
   return assemble(apply, friction_pattern(region));
+}
+
+}  // namespace
+
+SparseMatrix sparse_friction(const ActiveRegion& region, const FrictionOperator& friction,
+                             const BodyCoupling& bodies) {
+  const SparseMatrix faces = sparse_friction_of_faces(region, friction);
+  if (!bodies.any()) return faces;
+  // A row of its own for each mode, below those of the faces.
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int column = 0; column < faces.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator entry(faces, column); entry; ++entry)
+      entries.emplace_back(static_cast<int>(entry.row()), column, entry.value());
+  }
+  const auto add = [&](const BodyRow& row, Eigen::Index column, double share) {
+    for (int k = 0; k < row.count; ++k)
+      entries.emplace_back(region.open_faces + row.first + k, static_cast<int>(column),
+                           share * row.values[at(k)]);
+  };
+  const Eigen::Index first_contact =
+      faces.cols() - values_per_contact * static_cast<Eigen::Index>(region.contacts.size());
+  for (std::size_t row = 0; row < bodies.contact_rows().size(); ++row) {
+    for (int copy = 0; copy < copies_per_contact; ++copy)
+      add(bodies.contact_rows()[row],
+          first_contact + static_cast<Eigen::Index>(values_per_contact * (row / 2) + row % 2) + 2 * copy,
+          1.0);
+  }
+  for (std::size_t c = 0; c < region.closures.size(); ++c) {
+    const Closure& closure = region.closures[c];
+    const Eigen::Vector2d share = FrictionOperator::diagonal_share(closure.axis);
+    for (int copy = 0; copy < copies_per_cell; ++copy) {
+      const Eigen::Index first = components_per_copy * (copies_per_cell * closure.cell + copy);
+      add(bodies.closure_rows()[c], first, share[0]);
+      add(bodies.closure_rows()[c], first + 1, share[1]);
+    }
+  }
+  SparseMatrix matrix(region.open_faces + bodies.inverse_mass().size(), faces.cols());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
 }
 
 SparseMatrix normal_matrix(const SparseMatrix& d, const Array& weight) {

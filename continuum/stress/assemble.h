@@ -38,7 +38,8 @@ Eigen::SparseMatrix<double> sparse_shear_divergence(const ActiveRegion& region);
 /// The part of D2 that acts on the tractions at contacts with solids: open faces x values_per_contact each.
 Eigen::SparseMatrix<double> sparse_contact_divergence(const ActiveRegion& region);
 /// K: open faces x values of the copies. Columns of idle values (FrictionOperator::clear_idle) are empty.
-Eigen::SparseMatrix<double> sparse_friction(const ActiveRegion& region, const FrictionOperator& friction);
+Eigen::SparseMatrix<double> sparse_friction(const ActiveRegion& region, const FrictionOperator& friction,
+                                            const BodyCoupling& bodies = no_bodies());
 
 /// D^T diag(weight) D, symmetric to the last bit: with D1 and the inverse masses of the open faces, the matrix A of
 /// solve_pressure.

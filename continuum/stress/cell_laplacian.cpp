@@ -29,13 +29,48 @@ struct Sums {
   }
 };
 
+LowRank make_low_rank(const CellLevels& cells, const BodyCoupling& bodies) {
+  LowRank low;
+  low.modes = bodies.inverse_mass().size();
+  Field sums = Field::Zero(low.modes);  // of |U| down each column
+  for (const auto& [cell, row] : bodies.cells()) {
+    BodyRow movable = row;
+    for (int k = 0; k < row.count; ++k) {
+      double& value = movable.values[static_cast<std::size_t>(k)];
+      value *= std::sqrt(bodies.inverse_mass()[row.first + k]);
+      sums[row.first + k] += std::abs(value);
+    }
+    low.cells.push_back(cells.order[static_cast<std::size_t>(cell)]);
+    low.rows.push_back(movable);
+  }
+  low.majorant = Field::Zero(std::ssize(low.cells));
+  for (std::size_t i = 0; i < low.cells.size(); ++i) {
+    const BodyRow& row = low.rows[i];
+    for (int k = 0; k < row.count; ++k) {
+      low.majorant[static_cast<Eigen::Index>(i)] +=
+          std::abs(row.values[static_cast<std::size_t>(k)]) * sums[row.first + k];
+    }
+  }
+  return low;
+}
+
 }  // namespace
 
+Field LowRank::transpose_times(const Field& x) const {
+  Field y = Field::Zero(modes);
+  for (std::size_t i = 0; i < cells.size(); ++i) rows[i].add_to(y, x[cells[i]]);
+  return y;
+}
+
+void LowRank::add_times(const Field& y, Field& x) const {
+  for (std::size_t i = 0; i < cells.size(); ++i) x[cells[i]] += rows[i].times(y);
+}
+
 CellLaplacian make_cell_laplacian(const ActiveRegion& region, const CellLevels& cells,
-                                  const Field& inverse_mass) {
+                                  const Field& inverse_mass, const BodyCoupling& bodies) {
   const std::ptrdiff_t n = region.cell_count();
   const auto directions = static_cast<Eigen::Index>(cells.directions.size());
-  CellLaplacian a{Field(n * directions), Field(n), Field(n), Field(n)};
+  CellLaplacian a{Field(n * directions), Field(n), Field(n), Field(n), make_low_rank(cells, bodies)};
   const Field link_of_face = region.face_area.square() * inverse_mass;
   for_each_block(n, cells_per_block, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t cell = begin; cell < end; ++cell) {
@@ -63,6 +98,10 @@ CellLaplacian make_cell_laplacian(const ActiveRegion& region, const CellLevels& 
   const double smallest = n > 0 ? smallest_diagonal * a.diagonal.maxCoeff() : 0.0;
   a.inverse_diagonal =
       (a.diagonal > smallest).select(a.diagonal.max(std::numeric_limits<double>::min()).inverse(), 0.0);
+  for (std::size_t i = 0; i < a.bodies.cells.size(); ++i) {
+    double& inverse = a.inverse_diagonal[a.bodies.cells[i]];
+    if (inverse > 0.0) inverse = 1.0 / (1.0 / inverse + a.bodies.majorant[static_cast<Eigen::Index>(i)]);
+  }
   return a;
 }
 
@@ -80,6 +119,7 @@ void multiply(const CellLevels& cells, const CellLaplacian& laplacian, const Fie
         out[i] = plus[i] + diagonal[i] * in[i] - pull(directions, n, links, neighbours, in, i);
     });
   });
+  if (laplacian.bodies.modes > 0) laplacian.bodies.add_times(laplacian.bodies.transpose_times(x), product);
 }
 
 StepMeasure multiply_and_measure(const CellLevels& cells, const CellLaplacian& laplacian,
@@ -107,11 +147,25 @@ StepMeasure multiply_and_measure(const CellLevels& cells, const CellLaplacian& l
       return Sums{curvature, slope, rate};
     });
   });
+  if (laplacian.bodies.modes > 0) {
+    const Field speeds = laplacian.bodies.transpose_times(direction);
+    laplacian.bodies.add_times(speeds, product);
+    sums.curvature += speeds.square().sum();
+  }
   return {sums.curvature, sums.slope, 1.0 / sums.rate};
 }
 
-void relax_nonnegative(const CellLevels& cells, const CellLaplacian& laplacian, const Field& linear,
-                       Field& x) {
+void relax_nonnegative(const CellLevels& cells, const CellLaplacian& laplacian, Field& linear, Field& x) {
+  const LowRank& bodies = laplacian.bodies;
+  std::vector<double> without_bodies;
+  if (bodies.modes > 0) {
+    const Field speeds = bodies.transpose_times(x);
+    for (std::size_t i = 0; i < bodies.cells.size(); ++i) {
+      const int cell = bodies.cells[i];
+      without_bodies.push_back(linear[cell]);
+      linear[cell] += bodies.rows[i].times(speeds) - bodies.majorant[static_cast<Eigen::Index>(i)] * x[cell];
+    }
+  }
   const CellLevel& level = cells.levels[0];
   const std::ptrdiff_t n = level.count;
   const double *const links = laplacian.links.data(), *const inverse = laplacian.inverse_diagonal.data(),
@@ -129,6 +183,7 @@ void relax_nonnegative(const CellLevels& cells, const CellLaplacian& laplacian, 
       });
     }
   });
+  for (std::size_t i = 0; i < without_bodies.size(); ++i) linear[bodies.cells[i]] = without_bodies[i];
 }
 
 }  // namespace talus

@@ -7,20 +7,36 @@
 #pragma once
 
 #include "continuum/grid/operators.h"
+#include "continuum/stress/body_coupling.h"
 #include "continuum/stress/cell_levels.h"
 
 namespace talus {
+
+/// U of A = Laplacian + U U' (body_coupling.h), by the cells that bodies touch, each of one body.
+struct LowRank {
+  std::vector<int> cells;     // by place in the levels
+  std::vector<BodyRow> rows;  // U of each, by mode; 0 for modes that cannot be moved
+  Eigen::Index modes = 0;
+  Field
+      majorant;  // of each of `cells`: row sums of |U U'|, so that diag(majorant) - U U' is positive semidefinite
+
+  Field transpose_times(const Field& x) const;
+  void add_times(const Field& y, Field& x) const;
+};
 
 struct CellLaplacian {
   Field links;     // per direction of CellLevels, a value for each cell; 0 where there is no neighbour
   Field surface;   // the links of each cell to x = 0 beyond the free surface
   Field diagonal;  // the sum of all links
-  Field inverse_diagonal;  // 0 for cells walled in on every side: nothing moves with their x
+  // Of the diagonal, and in cells that bodies touch of the majorant too: what a sweep must divide by to lower the energy. 0
+  // for cells walled in on every side: nothing moves with their x.
+  Field inverse_diagonal;
+  LowRank bodies;
 };
 
 /// `inverse_mass` has open_faces + 1 entries, 1/kg.
 CellLaplacian make_cell_laplacian(const ActiveRegion& region, const CellLevels& cells,
-                                  const Field& inverse_mass);
+                                  const Field& inverse_mass, const BodyCoupling& bodies = {});
 
 /// product = A x + constant (cells + 1 each).
 void multiply(const CellLevels& cells, const CellLaplacian& laplacian, const Field& x, const Field& constant,
@@ -37,9 +53,9 @@ StepMeasure multiply_and_measure(const CellLevels& cells, const CellLaplacian& l
                                  const Field& direction, const Field& x, const Field& gradient,
                                  Field& product);
 
-/// One Gauss-Seidel sweep on 1/2 x'A x + b'x over x >= 0, colour by colour. Never raises the energy.
-void relax_nonnegative(const CellLevels& cells, const CellLaplacian& laplacian, const Field& linear,
-                       Field& x);
+/// One Gauss-Seidel sweep on 1/2 x'A x + b'x over x >= 0, colour by colour; what couples cells through bodies is replaced by
+/// its majorant about the x it starts from. Never raises the energy. `linear` is changed meanwhile.
+void relax_nonnegative(const CellLevels& cells, const CellLaplacian& laplacian, Field& linear, Field& x);
 
 /// Calls f with the number of directions, 0, 2, 4 or 6, as a constant: loops over them are unrolled.
 template <class Function>

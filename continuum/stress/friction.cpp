@@ -17,9 +17,11 @@ constexpr double wall_edge_share = 1.0 / 2.0;
 }  // namespace
 
 Field confining_pressure(const ActiveRegion& region, const Field& fill, const Field& pressure,
-                         const Field& velocity, double loosening) {
+                         const Field& velocity, double loosening, const BodyCoupling& bodies,
+                         const Field& speeds) {
   Field confining = pressure.max(0.0), compression(region.cell_count() + 1);
   gradient_transpose(region, velocity, compression);  // - h div v
+  bodies.add_compression(speeds, compression);
   for (int cell = 0; cell < region.cell_count(); ++cell) {
     if (fill[cell] >= packed_fill || -compression[cell] > loosening) continue;
     double sum = 0.0;
@@ -121,7 +123,7 @@ void FrictionOperator::apply_transpose(const Field& velocity, Eigen::ArrayXd& st
   strain.tail(stress_.contact.size()) = stress_.contact;
 }
 
-BallBlocks FrictionOperator::blocks(const Field& inverse_mass) const {
+BallBlocks FrictionOperator::blocks(const Field& inverse_mass, const BodyCoupling& bodies) const {
   BallBlocks balls;
   balls.size = {components_per_copy, 2};
   balls.count = {copies_per_cell * region_.cell_count(),
@@ -151,16 +153,25 @@ BallBlocks FrictionOperator::blocks(const Field& inverse_mass) const {
   // A face is shared by two copies of the contact in either cell beside it.
   Eigen::Index block =
       balls.count[0] + copies_per_wall_face * static_cast<Eigen::Index>(region_.wall_faces.size());
+  const std::vector<double> of_body = bodies.friction_curvature();
   for (const Contact& contact : region_.contacts) {
     for (const auto& faces : contact.faces) {
       for (const int face : faces)
         balls.curvature[block] = std::max(balls.curvature[block], 2.0 * inverse_mass[face]);
+      if (contact.body >= 0) balls.curvature[block] += of_body[static_cast<std::size_t>(contact.body)];
       ++block;
     }
   }
   // A block with nothing to act on has no gradient; any positive curvature will do.
   balls.curvature = (balls.curvature > 0.0).select(balls.curvature, 1.0);
   return balls;
+}
+
+Eigen::Vector2d FrictionOperator::diagonal_share(int axis) {
+  const double a = cell_share * inverse_sqrt2, b = cell_share * inverse_sqrt6;
+  if (axis == 0) return {a, -b};
+  if (axis == 1) return {0.0, 2.0 * b};
+  return {-a, -b};
 }
 
 void FrictionOperator::clear_idle(Eigen::ArrayXd& copies) const {

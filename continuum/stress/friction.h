@@ -9,6 +9,7 @@
 
 #include "continuum/grid/operators.h"
 #include "continuum/qp/cone_projection.h"
+#include "continuum/stress/body_coupling.h"
 
 namespace talus {
 
@@ -21,9 +22,10 @@ inline constexpr double packed_fill = 0.9;
 /// pressure, yet at the free surface the sand in it rests on the packed cells beside it: it is skin. Pressure rising
 /// linearly from 0 at the surface, the skin's is half of theirs. Without it the skin slides freely where gravity is not
 /// along the grid (a draining bed turned by 30 degrees came to rest 2 degrees lower), and piles creep. A cell that expands
-/// by more than `loosening` (m/s over its width), by `velocity` on the open faces, is sand that leaves, and is not held.
+/// by more than `loosening` (m/s over its width), by `velocity` on the open faces and the bodies' `speeds`, is sand that leaves, and is not held.
 Field confining_pressure(const ActiveRegion& region, const Field& fill, const Field& pressure,
-                         const Field& velocity, double loosening);
+                         const Field& velocity, double loosening, const BodyCoupling& bodies = no_bodies(),
+                         const Field& speeds = {});
 inline constexpr double skin_share = 0.5;
 
 class FrictionOperator {
@@ -37,8 +39,11 @@ class FrictionOperator {
   /// strain = K^T velocity, per copy.
   void apply_transpose(const Field& velocity, Eigen::ArrayXd& strain) const;
 
-  /// Blocks with the curvature filled in; radii are left to friction_radii.
-  BallBlocks blocks(const Field& inverse_mass) const;
+  /// Blocks with the curvature filled in; radii are left to friction_radii. Bodies add to that of their contacts the largest
+  /// that all of these have together, by the body's motion.
+  BallBlocks blocks(const Field& inverse_mass, const BodyCoupling& bodies = no_bodies()) const;
+  /// Share of the two diagonal components of each copy in a cell's stress along an axis.
+  static Eigen::Vector2d diagonal_share(int axis);
   /// Sets components that have no edge to act on to zero, so that they do not use up strength.
   void clear_idle(Eigen::ArrayXd& copies) const;
 

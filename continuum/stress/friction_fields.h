@@ -23,6 +23,13 @@ struct RowCopies {
   std::vector<Real> contacts;  // the same
 };
 
+/// Velocities of faces, and the speeds of bodies' modes (body_coupling.h).
+template <class Real>
+struct RowVelocity {
+  RowFields<Real> faces;
+  Field bodies;
+};
+
 /// Stress on edges and in cells, or their strains; `push`: impulses on faces that come from the lists of contacts.
 template <class Real>
 struct RowStress {

@@ -53,8 +53,9 @@ struct Slot {
 
 template <class Real>
 void FrictionRows<Real>::prepare(const ActiveRegion& region, const Field& inverse_mass,
-                                 const BallBlocks& balls) {
+                                 const BodyCoupling& bodies, const BallBlocks& balls) {
   region_ = &region;
+  bodies_ = &bodies;
   layout_ = make_row_layout(region);
   for (auto* fields : {&edge_share_, &inverse_mass_, &mass_, &free_velocity_, &edge_strain_, &cell_strain_,
                        &stress_.shear, &stress_.diagonal, &stress_.push})
@@ -64,7 +65,7 @@ void FrictionRows<Real>::prepare(const ActiveRegion& region, const Field& invers
   odd_.assign(nodes, Real{});
   for (auto& curvature : curvature_) curvature.assign(nodes, Real{1});
   read_constants(inverse_mass, balls);
-  tractions_.prepare(region, layout_, balls);
+  tractions_.prepare(region, layout_, bodies, balls);
 }
 
 template <class Real>
@@ -96,8 +97,9 @@ void FrictionRows<Real>::read_constants(const Field& inverse_mass, const BallBlo
 }
 
 template <class Real>
-void FrictionRows<Real>::read(const BallBlocks& balls, const Field& free_velocity, const Eigen::ArrayXd& from,
-                              RowCopies<Real>& copies) {
+void FrictionRows<Real>::read(const BallBlocks& balls, const Field& free_velocity, const Field& free_speeds,
+                              const Eigen::ArrayXd& from, RowCopies<Real>& copies) {
+  free_speeds_ = free_speeds;
   for (int face = 0; face < region_->open_faces; ++face) {
     const auto f = static_cast<std::size_t>(face);
     free_velocity_[static_cast<std::size_t>(region_->face_axis[f])]
@@ -130,9 +132,9 @@ void FrictionRows<Real>::wrap_cells(std::vector<Real>& cells) const {
 // ---- 1. strain ----
 
 template <class Real>
-void FrictionRows<Real>::strain_of(const RowFields<Real>& velocity) {
+void FrictionRows<Real>::strain_of(const RowVelocity<Real>& velocity) {
   for_each_row(layout_, [&](const Row& row) {
-    const Real *vx = velocity[0].data(), *vy = velocity[1].data(), *vz = velocity[2].data();
+    const Real *vx = velocity.faces[0].data(), *vy = velocity.faces[1].data(), *vz = velocity.faces[2].data();
     const int y = row.to(1, 0), z = row.to(0, 1), below_y = row.to(-1, 0), below_z = row.to(0, -1);
     Real *yz = edge_strain_[0].data(), *zx = edge_strain_[1].data(), *xy = edge_strain_[2].data();
     const Real *share_yz = edge_share_[0].data(), *share_zx = edge_share_[1].data(),
@@ -302,7 +304,7 @@ void FrictionRows<Real>::stress_of(const RowCopies<Real>& copies) {
       store(RowLanes<Real>(load(share_xy + i) * xy_sum), xy + i);
     }
   });
-  tractions_.add_stress(copies, stress_);
+  tractions_.add_stress(copies, stress_, body_impulse_);
   wrap(layout_, stress_.shear);
   wrap(layout_, stress_.diagonal);
 }
@@ -310,8 +312,8 @@ void FrictionRows<Real>::stress_of(const RowCopies<Real>& copies) {
 // ---- 4. faces ----
 
 template <class Real>
-PassSums FrictionRows<Real>::move_faces(const RowFields<Real>& ahead, RowFields<Real>& velocity) const {
-  const PassSums sums = sum_over_rows(layout_, [&](const Row& row) {
+PassSums FrictionRows<Real>::move_faces(const RowVelocity<Real>& ahead, RowVelocity<Real>& velocity) const {
+  PassSums sums = sum_over_rows(layout_, [&](const Row& row) {
     const Real *xx = stress_.diagonal[0].data(), *yy = stress_.diagonal[1].data(),
                *zz = stress_.diagonal[2].data();
     const Real *yz = stress_.shear[0].data(), *zx = stress_.shear[1].data(), *xy = stress_.shear[2].data();
@@ -319,8 +321,8 @@ PassSums FrictionRows<Real>::move_faces(const RowFields<Real>& ahead, RowFields<
     const Real *ix = inverse_mass_[0].data(), *iy = inverse_mass_[1].data(), *iz = inverse_mass_[2].data();
     const Real *mx = mass_[0].data(), *my = mass_[1].data(), *mz = mass_[2].data();
     const Real *fx = free_velocity_[0].data(), *fy = free_velocity_[1].data(), *fz = free_velocity_[2].data();
-    const Real *ax = ahead[0].data(), *ay = ahead[1].data(), *az = ahead[2].data();
-    Real *vx = velocity[0].data(), *vy = velocity[1].data(), *vz = velocity[2].data();
+    const Real *ax = ahead.faces[0].data(), *ay = ahead.faces[1].data(), *az = ahead.faces[2].data();
+    Real *vx = velocity.faces[0].data(), *vy = velocity.faces[1].data(), *vz = velocity.faces[2].data();
     const int y = row.to(1, 0), z = row.to(0, 1), below_y = row.to(-1, 0), below_z = row.to(0, -1);
     Real taken{}, whole{};
 #pragma omp simd reduction(+ : taken, whole)
@@ -339,18 +341,28 @@ PassSums FrictionRows<Real>::move_faces(const RowFields<Real>& ahead, RowFields<
     }
     return PassSums{static_cast<double>(taken), static_cast<double>(whole)};
   });
-  wrap(layout_, velocity);
+  wrap(layout_, velocity.faces);
+  sums += move_bodies(ahead.bodies, velocity.bodies);
   return sums;
 }
 
+/// Modes have mass 1, or do not move.
 template <class Real>
-void FrictionRows<Real>::extrapolate(const RowFields<Real>& now, const RowFields<Real>& before, Real beta,
-                                     RowFields<Real>& ahead) const {
+PassSums FrictionRows<Real>::move_bodies(const Field& ahead, Field& speeds) const {
+  const Field& movable = bodies_->inverse_mass();
+  speeds = free_speeds_ + movable * body_impulse_;
+  return {(movable * (speeds - ahead).square()).sum(), (movable * ahead.square()).sum()};
+}
+
+template <class Real>
+void FrictionRows<Real>::extrapolate(const RowVelocity<Real>& now, const RowVelocity<Real>& before, Real beta,
+                                     RowVelocity<Real>& ahead) const {
+  ahead.bodies = now.bodies + static_cast<double>(beta) * (now.bodies - before.bodies);
   constexpr std::ptrdiff_t block = 4096;
   for_each_block(layout_.nodes, block, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::size_t axis = 0; axis < 3; ++axis) {  // within the block: one barrier, not three
-      const Real *v = now[axis].data(), *v_before = before[axis].data();
-      Real* v_ahead = ahead[axis].data();
+      const Real *v = now.faces[axis].data(), *v_before = before.faces[axis].data();
+      Real* v_ahead = ahead.faces[axis].data();
 #pragma omp simd
       for (std::ptrdiff_t i = begin; i < end; ++i) v_ahead[i] = v[i] + beta * (v[i] - v_before[i]);
     }

@@ -12,18 +12,23 @@ template <class Real>
 class FrictionRows {
  public:
   /// Until the next call, the problem's shape and masses: inverse_mass (1/kg) of open faces and the null face, curvatures.
-  void prepare(const ActiveRegion& region, const Field& inverse_mass, const BallBlocks& balls);
-  /// Radii, free velocity (m/s) and the copies to start from, as FrictionOperator has them.
-  void read(const BallBlocks& balls, const Field& free_velocity, const Eigen::ArrayXd& from,
-            RowCopies<Real>& copies);
+  /// `region` and `bodies` are referred to.
+  void prepare(const ActiveRegion& region, const Field& inverse_mass, const BodyCoupling& bodies,
+               const BallBlocks& balls);
+  /// Radii, free velocity (m/s), free speeds of bodies, and the copies to start from, as FrictionOperator has them.
+  void read(const BallBlocks& balls, const Field& free_velocity, const Field& free_speeds,
+            const Eigen::ArrayXd& from, RowCopies<Real>& copies);
   void write(const RowCopies<Real>& copies, Eigen::ArrayXd& to) const {
     write_copies(*region_, layout_, copies, to);
   }
   void reset(RowCopies<Real>& copies) const { reset_copies(*region_, layout_, copies); }
-  void reset(RowFields<Real>& velocity) const { talus::reset(layout_, velocity); }
+  void reset(RowVelocity<Real>& velocity) const {
+    talus::reset(layout_, velocity.faces);
+    velocity.bodies = Field::Zero(bodies_->inverse_mass().size());
+  }
 
   /// 1. e = D2^T v on edges and cells.
-  void strain_of(const RowFields<Real>& velocity);
+  void strain_of(const RowVelocity<Real>& velocity);
   /// sum over copies of r |e| + s . e, J.
   double duality_gap(const RowCopies<Real>& copies) const;
   /// 2. next = project(s + beta (s - before) - e / (L d)). first: slope e . (next - s), second: the squared length of the step
@@ -34,18 +39,20 @@ class FrictionRows {
   /// 3. Mean over the copies, on edges and cells.
   void stress_of(const RowCopies<Real>& copies);
   /// 4. v = v_0 + M^-1 D2 of the stress at hand. first: |v - ahead|^2_M, second: |ahead|^2_M.
-  PassSums move_faces(const RowFields<Real>& ahead, RowFields<Real>& velocity) const;
+  PassSums move_faces(const RowVelocity<Real>& ahead, RowVelocity<Real>& velocity) const;
   /// ahead = v + beta (v - before).
-  void extrapolate(const RowFields<Real>& now, const RowFields<Real>& before, Real beta,
-                   RowFields<Real>& ahead) const;
+  void extrapolate(const RowVelocity<Real>& now, const RowVelocity<Real>& before, Real beta,
+                   RowVelocity<Real>& ahead) const;
 
  private:
   struct Strains;
   void read_constants(const Field& inverse_mass, const BallBlocks& balls);
   Strains strains_of(const Row& row, int slot) const;
   void wrap_cells(std::vector<Real>& cells) const;
+  PassSums move_bodies(const Field& ahead, Field& speeds) const;
 
   const ActiveRegion* region_ = nullptr;
+  const BodyCoupling* bodies_ = nullptr;
   RowLayout layout_;
   FrictionTractions<Real> tractions_;
   RowField<Real> odd_;     // 1 in cells of odd parity, else 0
@@ -55,6 +62,7 @@ class FrictionRows {
   RowFields<Real> inverse_mass_, mass_, free_velocity_;
   RowFields<Real> edge_strain_, cell_strain_;
   RowStress<Real> stress_;
+  Field free_speeds_, body_impulse_;
 };
 
 }  // namespace talus

@@ -23,7 +23,9 @@ bool single_precision_suffices(const BallBlocks& balls, const Field& free_veloci
 
 }  // namespace
 
-void FrictionSolver::prepare(const ActiveRegion& region, const Field& inverse_mass) {
+void FrictionSolver::prepare(const ActiveRegion& region, const Field& inverse_mass,
+                             const BodyCoupling& bodies) {
+  bodies_ = &bodies;
   region_ = &region;
   inverse_mass_ = &inverse_mass;
   single_precision_.ready = double_precision_.ready = false;
@@ -31,30 +33,37 @@ void FrictionSolver::prepare(const ActiveRegion& region, const Field& inverse_ma
 
 ConeProjectionResult FrictionSolver::solve(const BallBlocks& balls, const Field& free_velocity,
                                            const ConeProjectionSettings& settings, Eigen::ArrayXd& copies) {
+  return solve(balls, free_velocity, Field::Zero(bodies_->inverse_mass().size()), settings, copies);
+}
+
+ConeProjectionResult FrictionSolver::solve(const BallBlocks& balls, const Field& free_velocity,
+                                           const Field& free_speeds, const ConeProjectionSettings& settings,
+                                           Eigen::ArrayXd& copies) {
   // Once a solve of a step needs double precision, its later ones have it too.
   if (!double_precision_.ready && single_precision_suffices(balls, free_velocity, settings.gap_tolerance))
-    return solve(single_precision_, double_precision_, balls, free_velocity, settings, copies);
-  return solve(double_precision_, single_precision_, balls, free_velocity, settings, copies);
+    return solve(single_precision_, double_precision_, balls, free_velocity, free_speeds, settings, copies);
+  return solve(double_precision_, single_precision_, balls, free_velocity, free_speeds, settings, copies);
 }
 
 template <class Real, class Other>
 ConeProjectionResult FrictionSolver::solve(Memory<Real>& memory, Memory<Other>& unused,
                                            const BallBlocks& balls, const Field& free_velocity,
-                                           const ConeProjectionSettings& settings, Eigen::ArrayXd& copies) {
+                                           const Field& free_speeds, const ConeProjectionSettings& settings,
+                                           Eigen::ArrayXd& copies) {
   constexpr double epsilon = std::numeric_limits<Real>::epsilon();
   constexpr double noise = 450.0 * epsilon * 450.0 * epsilon;  // of a squared velocity; sums have many terms
   constexpr double slack = std::max(1e-9, 100.0 * epsilon);
   FrictionRows<Real>& rows = memory.rows;
   if (!memory.ready) {
     unused = {};
-    rows.prepare(*region_, *inverse_mass_, balls);
+    rows.prepare(*region_, *inverse_mass_, *bodies_, balls);
     for (auto* s : {&memory.now, &memory.before, &memory.next}) rows.reset(*s);
     for (auto* v : {&memory.velocity, &memory.velocity_before, &memory.velocity_next, &memory.velocity_ahead})
       rows.reset(*v);
     memory.ready = true;
   }
   lipschitz_ = std::max(smallest_lipschitz, lipschitz_decay * lipschitz_);
-  rows.read(balls, free_velocity, copies, memory.now);
+  rows.read(balls, free_velocity, free_speeds, copies, memory.now);
   rows.project(memory.now);
   rows.stress_of(memory.now);
   rows.move_faces(memory.velocity_ahead, memory.velocity);

@@ -17,9 +17,10 @@ Real norm_of(Real a, Real b) {
 
 template <class Real>
 void FrictionTractions<Real>::prepare(const ActiveRegion& region, const RowLayout& layout,
-                                      const BallBlocks& balls) {
+                                      const BodyCoupling& bodies, const BallBlocks& balls) {
   region_ = &region;
   layout_ = &layout;
+  bodies_ = &bodies;
   wall_edges_.clear();
   edge_of_wall_value_.clear();
   listed_.assign(static_cast<std::size_t>(region.edge_count() + 1), -1);
@@ -66,9 +67,9 @@ void FrictionTractions<Real>::set_radii(const BallBlocks& balls) {
 }
 
 template <class Real>
-void FrictionTractions<Real>::strain_of(const RowFields<Real>& velocity, RowFields<Real>& cell_strain) {
+void FrictionTractions<Real>::strain_of(const RowVelocity<Real>& velocity, RowFields<Real>& cell_strain) {
   const auto at = [&](int axis, int node) {
-    return velocity[static_cast<std::size_t>(axis)][static_cast<std::size_t>(node)];
+    return velocity.faces[static_cast<std::size_t>(axis)][static_cast<std::size_t>(node)];
   };
   for_each_block(std::ssize(wall_edges_), block, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (auto e = static_cast<std::size_t>(begin); e < static_cast<std::size_t>(end); ++e) {
@@ -86,17 +87,22 @@ void FrictionTractions<Real>::strain_of(const RowFields<Real>& velocity, RowFiel
     }
   });
   std::size_t value = 0;
+  const BodyRow* rows = bodies_->contact_rows().data();
   for (const Contact& contact : region_->contacts) {
+    Eigen::Vector2d of_body = Eigen::Vector2d::Zero();
+    if (contact.body >= 0) of_body << rows[0].times(velocity.bodies), rows[1].times(velocity.bodies);
+    rows += bodies_->any() ? 2 : 0;
     for (const auto& face : contact.faces) {
       const Eigen::Vector3d slip(at(0, node_of_face(face[0])), at(1, node_of_face(face[1])),
                                  at(2, node_of_face(face[2])));
-      const Eigen::Vector2d along = contact.tangents.transpose() * slip;
+      const Eigen::Vector2d along = contact.tangents.transpose() * slip + of_body;
       contacts_.strain[value++] = static_cast<Real>(along[0]);
       contacts_.strain[value++] = static_cast<Real>(along[1]);
     }
   }
-  for (const Closure& closure : region_->closures) {
-    double strained = 0.0;
+  for (std::size_t c = 0; c < region_->closures.size(); ++c) {
+    const Closure& closure = region_->closures[c];
+    double strained = closure.body >= 0 ? bodies_->closure_rows()[c].times(velocity.bodies) : 0.0;
     for (std::size_t k = 0; k < closure.faces.size(); ++k)
       strained += closure.weight[k] * at(static_cast<int>(k / 2), node_of_face(closure.faces[k]));
     const int node = layout_->node_of_cell[static_cast<std::size_t>(closure.cell)];
@@ -168,7 +174,9 @@ double FrictionTractions<Real>::duality_gap(const RowCopies<Real>& copies) const
 }
 
 template <class Real>
-void FrictionTractions<Real>::add_stress(const RowCopies<Real>& copies, RowStress<Real>& stress) const {
+void FrictionTractions<Real>::add_stress(const RowCopies<Real>& copies, RowStress<Real>& stress,
+                                         Field& body_impulse) const {
+  body_impulse = Field::Zero(bodies_->inverse_mass().size());
   for_each_block(std::ssize(wall_edges_), block, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (auto e = static_cast<std::size_t>(begin); e < static_cast<std::size_t>(end); ++e) {
       const WallEdge& edge = wall_edges_[e];
@@ -190,22 +198,29 @@ void FrictionTractions<Real>::add_stress(const RowCopies<Real>& copies, RowStres
   for (const Closure& closure : region_->closures) {
     for (std::size_t k = 0; k < closure.faces.size(); ++k) push(k / 2, closure.faces[k]) = Real{};
   }
-  for (const Closure& closure : region_->closures) {
+  for (std::size_t c = 0; c < region_->closures.size(); ++c) {
+    const Closure& closure = region_->closures[c];
     Real& diagonal = stress.diagonal[static_cast<std::size_t>(closure.axis)][static_cast<std::size_t>(
         layout_->node_of_cell[static_cast<std::size_t>(closure.cell)])];
     for (std::size_t k = 0; k < closure.faces.size(); ++k)
       push(k / 2, closure.faces[k]) += static_cast<Real>(closure.weight[k]) * diagonal;
+    if (closure.body >= 0) bodies_->closure_rows()[c].add_to(body_impulse, static_cast<double>(diagonal));
     diagonal = Real{};
   }
   std::size_t value = 0;
+  const BodyRow* rows = bodies_->contact_rows().data();
   for (const Contact& contact : region_->contacts) {
+    Eigen::Vector2d on_body = Eigen::Vector2d::Zero();
     for (const auto& face : contact.faces) {
-      const Eigen::Vector3d traction =
-          contact.tangents * Eigen::Vector2d(copies.contacts[value], copies.contacts[value + 1]);
+      const Eigen::Vector2d along(copies.contacts[value], copies.contacts[value + 1]);
+      const Eigen::Vector3d traction = contact.tangents * along;
+      on_body += along;
       for (std::size_t axis = 0; axis < 3; ++axis)
         push(axis, face[axis]) += static_cast<Real>(traction[static_cast<int>(axis)]);
       value += 2;
     }
+    for (int t = 0; t < 2 && contact.body >= 0; ++t) rows[t].add_to(body_impulse, on_body[t]);
+    rows += bodies_->any() ? 2 : 0;
   }
 }
 

@@ -2,6 +2,7 @@
 // is not regular, as lists beside the rows.
 #pragma once
 
+#include "continuum/stress/body_coupling.h"
 #include "continuum/stress/friction_fields.h"
 
 namespace talus {
@@ -9,18 +10,20 @@ namespace talus {
 template <class Real>
 class FrictionTractions {
  public:
-  void prepare(const ActiveRegion& region, const RowLayout& layout, const BallBlocks& balls);
+  void prepare(const ActiveRegion& region, const RowLayout& layout, const BodyCoupling& bodies,
+               const BallBlocks& balls);
   void set_radii(const BallBlocks& balls);
 
   /// Slip velocities of all copies; puts the strain of closures over that of their cells.
-  void strain_of(const RowFields<Real>& velocity, RowFields<Real>& cell_strain);
+  void strain_of(const RowVelocity<Real>& velocity, RowFields<Real>& cell_strain);
   /// One projected step from the extrapolated point. first: slope, second: squared length by curvature.
   PassSums step(double lipschitz, Real beta, const RowCopies<Real>& now, const RowCopies<Real>& before,
                 RowCopies<Real>& next) const;
   void project(RowCopies<Real>& copies) const;
   double duality_gap(const RowCopies<Real>& copies) const;
-  /// Shear stress on wall edges; pushes of contacts and closures on faces, whose diagonal stress is taken out.
-  void add_stress(const RowCopies<Real>& copies, RowStress<Real>& stress) const;
+  /// Shear stress on wall edges; pushes of contacts and closures on faces, whose diagonal stress is taken out, and on the modes
+  /// of bodies.
+  void add_stress(const RowCopies<Real>& copies, RowStress<Real>& stress, Field& body_impulse) const;
 
  private:
   struct WallEdge {
@@ -39,6 +42,7 @@ class FrictionTractions {
 
   const ActiveRegion* region_ = nullptr;
   const RowLayout* layout_ = nullptr;
+  const BodyCoupling* bodies_ = nullptr;
   std::vector<WallEdge> wall_edges_;
   std::vector<int> edge_of_wall_value_;  // in wall_edges_; -1 where there is none
   std::vector<Real> wall_edge_strain_;

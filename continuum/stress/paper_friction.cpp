@@ -129,30 +129,6 @@ BoundQp problem_of(const char* name, const ActiveRegion& region, const Field& in
           settings};
 }
 
-/// Minimises over one component, x; `rest` is the flux without it.
-template <class Component>
-BoundQpResult minimise(const char* name, const ProblemRecorder& record, const ActiveRegion& region,
-                       const Field& inverse_mass, const Component& component, const Variables& variables,
-                       const Field& rest, const BoundQpSettings& settings, Field& x) {
-  if (x.size() == 0) return {0, 0.0, true};
-  StressField stress = make_stress_field(region), strain = make_stress_field(region);
-  Field faces(region.open_faces + 1);
-  const auto apply = [&](const Field& in, Field& out) {
-    component.place(in, stress);
-    faces.setZero();
-    add_stress_divergence(region, stress, faces);
-    faces *= inverse_mass;
-    stress_divergence_transpose(region, faces, strain);
-    component.take(strain, out);
-  };
-  stress_divergence_transpose(region, rest, strain);
-  Field b(x.size());
-  component.take(strain, b);
-  if (record) record(problem_of(name, region, inverse_mass, component, variables, b, settings, x));
-  return minimise_bound_qp(apply, b, variables.lower, variables.upper, variables.curvature, scaled_norm,
-                           settings, x);
-}
-
 /// Position of a cell along an axis, and a number that all cells of its column share.
 struct PlaceInColumn {
   int height;
@@ -207,6 +183,38 @@ PaperFriction::PaperFriction(const ActiveRegion& region, const Field& inverse_ma
       record_(std::move(record)),
       columns_(make_columns()) {}
 
+StressField PaperFriction::strain(const Field& flux) const {
+  StressField strain = make_stress_field(region_);
+  stress_divergence_transpose(region_, flux, strain);
+  if (of_bodies_) {
+    strain.diagonal += of_bodies_->diagonal;
+    strain.contact += of_bodies_->contact;
+  }
+  return strain;
+}
+
+template <class Component, class Variables>
+BoundQpResult PaperFriction::minimise(const char* name, const Component& component,
+                                      const Variables& variables, const Field& rest,
+                                      const BoundQpSettings& settings, Field& x) const {
+  if (x.size() == 0) return {0, 0.0, true};
+  StressField stress = make_stress_field(region_), strained = make_stress_field(region_);
+  Field faces(region_.open_faces + 1);
+  const auto apply = [&](const Field& in, Field& out) {
+    component.place(in, stress);
+    faces.setZero();
+    add_stress_divergence(region_, stress, faces);
+    faces *= inverse_mass_;
+    stress_divergence_transpose(region_, faces, strained);
+    component.take(strained, out);
+  };
+  Field b(x.size());
+  component.take(strain(rest), b);
+  if (record_) record_(problem_of(name, region_, inverse_mass_, component, variables, b, settings, x));
+  return minimise_bound_qp(apply, b, variables.lower, variables.upper, variables.curvature, scaled_norm,
+                           settings, x);
+}
+
 PaperFriction::Result PaperFriction::solve(const Field& frictionless, const FrictionBox& box,
                                            const BoundQpSettings& settings, StressField& stress) const {
   Result total;
@@ -229,13 +237,12 @@ BoundQpResult PaperFriction::solve_columns(const Field& frictionless, const Fric
   const Eigen::Index n = region_.cell_count();
   Field vertical = stress.diagonal.row(up_).transpose();
   stress.diagonal.row(up_).setZero();
-  StressField strain = make_stress_field(region_);
-  stress_divergence_transpose(region_, flux(frictionless, stress), strain);
+  const StressField strained = strain(flux(frictionless, stress));
 
   if (record_) {
     const Variables all(-box.cell.head(n), box.cell.head(n), cell_curvature(region_, inverse_mass_, up_));
     record_(problem_of("stress_up", region_, inverse_mass_, CellComponent{Eigen::Vector3d::Unit(up_)}, all,
-                       strain.diagonal.row(up_).head(n).transpose(), settings, vertical.head(n)));
+                       strained.diagonal.row(up_).head(n).transpose(), settings, vertical.head(n)));
   }
   BoundQpResult result{0, 0.0, true};
   for (const Column& column : columns_) {
@@ -247,7 +254,7 @@ BoundQpResult PaperFriction::solve_columns(const Field& frictionless, const Fric
     };
     const Field radius = box.cell(column.cells);
     const Variables variables(-radius, radius, column.diagonal);
-    const Field b = strain.diagonal.row(up_).transpose()(column.cells);
+    const Field b = strained.diagonal.row(up_).transpose()(column.cells);
     Field x = vertical(column.cells);
     const auto solved = minimise_bound_qp(apply, b, variables.lower, variables.upper, variables.curvature,
                                           scaled_norm, settings, x);
@@ -266,9 +273,8 @@ BoundQpResult PaperFriction::solve_up(const Field& frictionless, const FrictionB
   Field x = stress.diagonal.row(up_).head(n).transpose();
   stress.diagonal.row(up_).setZero();
   const Variables variables(-box.cell.head(n), box.cell.head(n), cell_curvature(region_, inverse_mass_, up_));
-  const auto result =
-      minimise("stress_up", record_, region_, inverse_mass_, CellComponent{Eigen::Vector3d::Unit(up_)},
-               variables, flux(frictionless, stress), settings, x);
+  const auto result = minimise("stress_up", CellComponent{Eigen::Vector3d::Unit(up_)}, variables,
+                               flux(frictionless, stress), settings, x);
   stress.diagonal.row(up_).head(n) = x.transpose();
   return result;
 }
@@ -286,8 +292,7 @@ BoundQpResult PaperFriction::solve_pair(const Field& frictionless, const Frictio
   stress.diagonal.row(last).setZero();
   stress.diagonal.row(next).head(n) = -vertical.transpose();
   const CellComponent pair{Eigen::Vector3d::Unit(last) - Eigen::Vector3d::Unit(next)};
-  const auto result = minimise("stress_pair", record_, region_, inverse_mass_, pair, variables,
-                               flux(frictionless, stress), settings, x);
+  const auto result = minimise("stress_pair", pair, variables, flux(frictionless, stress), settings, x);
   stress.diagonal.row(last).head(n) = x.transpose();
   stress.diagonal.row(next).head(n) = -(vertical + x).transpose();
   return result;
@@ -303,8 +308,7 @@ BoundQpResult PaperFriction::solve_shear(int axis, const Field& frictionless, co
   stress.shear(component.edges).setZero();
   const Field radius = box.edge(component.edges);
   const Variables variables(-radius, radius, edge_curvature(region_, inverse_mass_, component.edges));
-  const auto result = minimise("stress_shear", record_, region_, inverse_mass_, component, variables,
-                               flux(frictionless, stress), settings, x);
+  const auto result = minimise("stress_shear", component, variables, flux(frictionless, stress), settings, x);
   component.place(x, stress);
   return result;
 }
@@ -314,8 +318,8 @@ BoundQpResult PaperFriction::solve_contacts(const Field& frictionless, const Fri
   Field x = stress.contact;
   stress.contact.setZero();
   const Variables variables(-box.contact, box.contact, contact_curvature(region_, inverse_mass_));
-  const auto result = minimise("contact", record_, region_, inverse_mass_, ContactComponent{}, variables,
-                               flux(frictionless, stress), settings, x);
+  const auto result =
+      minimise("contact", ContactComponent{}, variables, flux(frictionless, stress), settings, x);
   stress.contact = x;
   return result;
 }

@@ -15,6 +15,8 @@
 // 1): its sin(theta) is the mu of our cone, whatever angle the material was calibrated by.
 #pragma once
 
+#include <optional>
+
 #include "continuum/grid/operators.h"
 #include "continuum/qp/problem.h"
 
@@ -41,6 +43,9 @@ class PaperFriction {
   /// `inverse_mass`, 1/kg: open_faces + 1 entries, kept by reference. `record`, unless empty, is given each problem
   /// before it is solved; the columns of step 1 as one, for they do not touch.
   PaperFriction(const ActiveRegion& region, const Field& inverse_mass, int up, ProblemRecorder record = {});
+
+  /// The strain that the motion of bodies adds from now on; at first there is none.
+  void move_bodies(StressField strain) { of_bodies_ = std::move(strain); }
 
   /// All components once, in the order above, the largest residual and the sum of the iterations over them;
   /// `unconverged` counts those that hit their cap. `frictionless` is u_0, m/s.
@@ -81,11 +86,18 @@ class PaperFriction {
     Eigen::ArrayXd below, diagonal, above;
   };
   std::vector<Column> make_columns() const;
+  /// D2^T u, with what bodies add.
+  StressField strain(const Field& flux) const;
+  /// Minimises over one component, x, with the rest of the stress as it is.
+  template <class Component, class Variables>
+  BoundQpResult minimise(const char* name, const Component& component, const Variables& variables,
+                         const Field& rest, const BoundQpSettings& settings, Field& x) const;
 
   const ActiveRegion& region_;
   const Field& inverse_mass_;
   int up_;
   ProblemRecorder record_;
+  std::optional<StressField> of_bodies_;
   std::vector<Column> columns_;
 };
 

@@ -6,13 +6,16 @@
 #include "continuum/grid/operators.h"
 #include "continuum/qp/mprgp.h"
 #include "continuum/qp/problem.h"
+#include "continuum/stress/body_coupling.h"
 
 namespace talus {
 
-/// As solve_pressure.
+/// As PressureSolver::solve.
 BoundQpResult solve_pressure_by_mprgp(const ActiveRegion& region, const Field& inverse_mass,
                                       const Field& free_velocity, const Field& room,
                                       const BoundQpSettings& settings, Field& pressure,
-                                      const ProblemRecorder& record = {}, const char* name = "pressure");
+                                      const ProblemRecorder& record = {}, const char* name = "pressure",
+                                      const BodyCoupling& bodies = no_bodies(),
+                                      const Field& free_speeds = {});
 
 }  // namespace talus

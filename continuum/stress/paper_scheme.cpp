@@ -24,7 +24,8 @@ void stop_at_walls(const ActiveRegion& region, Field& velocity) {
 }  // namespace
 
 ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt, double velocity_scale,
-                         int up, const ProjectionSettings& settings, PaperStress& stress, Field& velocity) {
+                         int up, const ProjectionSettings& settings, const BodyCoupling& bodies,
+                         PaperStress& stress, Field& velocity, Field& speeds) {
   const Eigen::Index faces = region.open_faces + 1;
   const double tolerance = settings.tolerance * velocity_scale;
   stop_at_walls(region, velocity);
@@ -32,8 +33,8 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
   const Field free_flux = face_fill * velocity.head(faces);
   const Field inverse_mass = inverse_flux_mass(region, state);
   const Field room = (1.0 - state.fill).max(0.0) * (region.grid.spacing / dt);
-  const PaperFriction friction(region, inverse_mass, up, settings.record);
 
+  PaperFriction friction(region, inverse_mass, up, settings.record);
   ProjectionReport report;
   Field impulse(faces), flux = free_flux;
   const auto with_pressure = [&](const Field& without) {
@@ -41,18 +42,29 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
     add_gradient(region, stress.pressure, -1.0, impulse);
     return Field(without + inverse_mass * impulse);
   };
+  const Field free_speeds = speeds;
   Stopwatch watch;
   for (int n = 0; n < settings.iterations; ++n) {
+    if (bodies.any()) {
+      speeds = free_speeds;
+      bodies.add_pressure(stress.pressure, -1.0, speeds);
+      StressField strain = make_stress_field(region);
+      bodies.add_strain(speeds, strain);
+      friction.move_bodies(std::move(strain));
+    }
     const auto frictional =
         friction.solve(with_pressure(free_flux), friction_box(region, state.friction, stress.pressure),
                        {tolerance, settings.max_friction_iterations}, stress.friction);
     report.seconds[Phase::friction] += watch.lap();
     flux = friction.flux(free_flux, stress.friction);
+    speeds = free_speeds;
+    bodies.add_friction(stress.friction, speeds);
     const auto packed = solve_pressure_by_mprgp(region, inverse_mass, flux, room,
                                                 {tolerance, settings.max_pressure_iterations},
-                                                stress.pressure, settings.record);
+                                                stress.pressure, settings.record, "pressure", bodies, speeds);
     report.seconds[Phase::pressure] += watch.lap();
     flux = with_pressure(flux);
+    bodies.add_pressure(stress.pressure, -1.0, speeds);
 
     report.friction_iterations += frictional.iterations;
     report.pressure_iterations += packed.iterations;

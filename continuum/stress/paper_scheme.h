@@ -29,9 +29,11 @@ struct PaperStress {
 
 /// From v* to v~ on all faces, in place, as `project` of the consistent scheme; both residuals are the largest component of
 /// a projected gradient, m/s, and each component step that stops at its cap counts as a hit. `up` is the axis of the
-/// source's y (up_axis).
+/// source's y (up_axis). Pressure pushes bodies within its solve; friction is solved against bodies as they move then, and
+/// what it does to them is added after.
 ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt, double velocity_scale,
-                         int up, const ProjectionSettings& settings, PaperStress& stress, Field& velocity);
+                         int up, const ProjectionSettings& settings, const BodyCoupling& bodies,
+                         PaperStress& stress, Field& velocity, Field& speeds);
 
 PaperStress zero_paper_stress(const ActiveRegion& region);
 /// Cells and edges keep their values, new ones start from zero, impulses scale with the time step.

@@ -3,6 +3,8 @@
 //   find P >= 0 complementary to  share * room + h div v >= 0,   v = v_0 - M^-1 D1 P,   per cell: (5.13) in velocity form,
 //   minimise 1/2 P'A P + b'P over P >= 0,   A = D1^T M^-1 D1,   b = share * room - D1^T v_0
 //
+// and with bodies (body_coupling.h) A gains U U', b the compression by their free speeds.
+//
 // `room` is how much a cell may still be compressed, as a velocity: slack h / dt; share is what solids leave open of it.
 // How it is solved: nonnegative_solve.h.
 #pragma once
@@ -16,8 +18,9 @@ namespace talus {
 /// made once.
 class PressureSolver {
  public:
-  /// `inverse_mass` has open_faces + 1 entries; both arguments must outlive the solver.
-  PressureSolver(const ActiveRegion& region, const Field& inverse_mass);
+  /// `inverse_mass` has open_faces + 1 entries; all arguments must outlive the solver.
+  PressureSolver(const ActiveRegion& region, const Field& inverse_mass,
+                 const BodyCoupling& bodies = no_bodies());
   PressureSolver(const PressureSolver&) = delete;  // parts refer to each other
   PressureSolver& operator=(const PressureSolver&) = delete;
 
@@ -26,11 +29,16 @@ class PressureSolver {
   /// m/s. `record`, unless empty, is given the problem under `name`.
   BoundQpResult solve(const Field& free_velocity, const Field& room, const BoundQpSettings& settings,
                       Field& pressure, const ProblemRecorder& record = {}, const char* name = "pressure");
+  /// The same with the bodies' free speeds (BodyCoupling::speeds).
+  BoundQpResult solve(const Field& free_velocity, const Field& free_speeds, const Field& room,
+                      const BoundQpSettings& settings, Field& pressure, const ProblemRecorder& record = {},
+                      const char* name = "pressure");
 
   /// A deliberate defect (ProjectionSettings::pressure_pulls): the pressure of an incompressible liquid, h div v = 0 with P of
   /// either sign, by plain MPRGP. `room` goes with the bound: without P >= 0 it would be a demand, not a limit, and loose sand
   /// sucks itself in (a column imploded after 0.11 s). Should the energy have no minimum, it is told as not converged.
-  BoundQpResult solve_pulling(const Field& free_velocity, const BoundQpSettings& settings, Field& pressure,
+  BoundQpResult solve_pulling(const Field& free_velocity, const Field& free_speeds,
+                              const BoundQpSettings& settings, Field& pressure,
                               const ProblemRecorder& record = {});
 
  private:
@@ -39,6 +47,7 @@ class PressureSolver {
 
   const ActiveRegion& region_;
   const Field& inverse_mass_;
+  const BodyCoupling& bodies_;
   CellLevels cells_;
   CellLaplacian laplacian_;
   Multigrid multigrid_;

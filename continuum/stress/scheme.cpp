@@ -20,14 +20,22 @@ const Field& pressure_of(const SchemeStress& stress) {
   return std::visit([](const auto& its) -> const Field& { return its.pressure; }, stress);
 }
 
+StressField friction_of(const SchemeStress& stress, const ActiveRegion& region) {
+  if (const auto* paper = std::get_if<PaperStress>(&stress)) return paper->friction;
+  StressField friction = make_stress_field(region);
+  FrictionOperator(region).stress_of(std::get<Stress>(stress).copies, friction);
+  return friction;
+}
+
 ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt,
                          const Eigen::Vector3d& gravity, double velocity_scale, bool cold,
-                         const ProjectionSettings& settings, FrictionSolver& solver, SchemeStress& stress,
-                         Field& velocity) {
+                         const ProjectionSettings& settings, FrictionSolver& solver,
+                         const BodyCoupling& bodies, SchemeStress& stress, Field& velocity, Field& speeds) {
   if (auto* paper = std::get_if<PaperStress>(&stress))
-    return project(region, state, dt, velocity_scale, up_axis(gravity), settings, *paper, velocity);
-  return project(region, state, dt, velocity_scale, cold, settings, solver, std::get<Stress>(stress),
-                 velocity);
+    return project(region, state, dt, velocity_scale, up_axis(gravity), settings, bodies, *paper, velocity,
+                   speeds);
+  return project(region, state, dt, velocity_scale, cold, settings, solver, bodies, std::get<Stress>(stress),
+                 velocity, speeds);
 }
 
 }  // namespace talus

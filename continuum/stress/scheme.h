@@ -19,10 +19,14 @@ SchemeStress carry_over(Scheme scheme, const ActiveRegion& from, const SchemeStr
 /// Impulse p dt h^2 per cell (cells + 1), N s.
 const Field& pressure_of(const SchemeStress& stress);
 
-/// From v* to v~ on all faces, in place, by the scheme of `stress`. `cold` and `solver` are the consistent scheme's.
+/// The same of friction.
+StressField friction_of(const SchemeStress& stress, const ActiveRegion& region);
+
+/// From v* to v~ on all faces and from the bodies' free speeds to those with the sand's impulses, in place, by the scheme of
+/// `stress`. `cold` and `solver` are the consistent scheme's.
 ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt,
                          const Eigen::Vector3d& gravity, double velocity_scale, bool cold,
-                         const ProjectionSettings& settings, FrictionSolver& solver, SchemeStress& stress,
-                         Field& velocity);
+                         const ProjectionSettings& settings, FrictionSolver& solver,
+                         const BodyCoupling& bodies, SchemeStress& stress, Field& velocity, Field& speeds);
 
 }  // namespace talus

@@ -2,9 +2,11 @@
 
 namespace talus {
 
-Field shear_rate(const ActiveRegion& region, const Field& velocity) {
+Field shear_rate(const ActiveRegion& region, const Field& velocity, const BodyCoupling& bodies,
+                 const Field& speeds) {
   StressField strain = make_stress_field(region);
   stress_divergence_transpose(region, velocity, strain);  // -h e_aa in cells, -2 h e_bc on edges
+  bodies.add_strain(speeds, strain);
   Field rate = Field::Zero(region.cell_count() + 1);
   for (int cell = 0; cell < region.cell_count(); ++cell) {
     const Eigen::Array3d diagonal = strain.diagonal.col(cell);

@@ -8,6 +8,12 @@ namespace {
 
 constexpr Eigen::Index values_per_wall_face = 2 * copies_per_wall_face;
 
+Field joined(const Field& first, const Field& last) {
+  Field both(first.size() + last.size());
+  both << first, last;
+  return both;
+}
+
 /// Inverse of the mass each open face moves with, 0 for the null face.
 Field inverse_face_mass(const ActiveRegion& region, const GridState& state) {
   const Eigen::Index faces = region.open_faces + 1;
@@ -50,6 +56,14 @@ ProjectionReport& ProjectionReport::operator+=(const ProjectionReport& later) {
 ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt, double velocity_scale,
                          bool cold, const ProjectionSettings& settings, FrictionSolver& solver,
                          Stress& stress, Field& velocity) {
+  Field no_speeds(0);
+  return project(region, state, dt, velocity_scale, cold, settings, solver, no_bodies(), stress, velocity,
+                 no_speeds);
+}
+
+ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt, double velocity_scale,
+                         bool cold, const ProjectionSettings& settings, FrictionSolver& solver,
+                         const BodyCoupling& bodies, Stress& stress, Field& velocity, Field& speeds) {
   const Eigen::Index faces = region.open_faces + 1;
   const double tolerance = settings.tolerance * velocity_scale;
   const Eigen::ArrayXd reaction = stop_at_walls(region, state, velocity);
@@ -60,12 +74,15 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
 
   const FrictionOperator friction(region);
   friction.clear_idle(stress.copies);
-  BallBlocks balls = friction.blocks(inverse_mass);
-  solver.prepare(region, inverse_mass);
+  BallBlocks balls = friction.blocks(inverse_mass, bodies);
+  solver.prepare(region, inverse_mass, bodies);
   const ConeProjectionSettings cone{tolerance * tolerance * mass.sum(), settings.max_friction_iterations};
   const BoundQpSettings bound{tolerance, settings.max_pressure_iterations};
 
-  PressureSolver pressure(region, inverse_mass);
+  PressureSolver pressure(region, inverse_mass, bodies);
+  const Field free_speeds = speeds;
+  Field speeds_without_friction, speeds_without_pressure;
+  StressField stress_at_solids = make_stress_field(region);
   ProjectionReport report;
   Field impulse(faces), without_friction(faces), without_pressure(faces);
   Stopwatch watch;
@@ -73,24 +90,34 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
     impulse.setZero();
     add_gradient(region, stress.pressure, -1.0, impulse);
     without_friction = free_velocity + inverse_mass * impulse;
-    const Field confining =
-        confining_pressure(region, state.fill, stress.pressure, free_velocity, velocity_scale);
+    speeds_without_friction = free_speeds;
+    bodies.add_pressure(stress.pressure, -1.0, speeds_without_friction);
+    const Field confining = confining_pressure(region, state.fill, stress.pressure, free_velocity,
+                                               velocity_scale, bodies, free_speeds);
     set_friction_radii(region, friction, state.friction, confining, stress.pressure, reaction, stress.copies,
                        balls);
     if (settings.record) {
-      settings.record(ConeQp{"friction", sparse_friction(region, friction), mass.head(region.open_faces),
-                             without_friction.head(region.open_faces), balls, stress.copies,
-                             solver.lipschitz(), cone});
+      settings.record(ConeQp{"friction", sparse_friction(region, friction, bodies),
+                             joined(mass.head(region.open_faces), bodies.inverse_mass()),
+                             joined(without_friction.head(region.open_faces), speeds_without_friction), balls,
+                             stress.copies, solver.lipschitz(), cone});
     }
-    const auto frictional = solver.solve(balls, without_friction, cone, stress.copies);
+    const auto frictional =
+        solver.solve(balls, without_friction, speeds_without_friction, cone, stress.copies);
     report.seconds[Phase::friction] += watch.lap();
 
     friction.apply(stress.copies, impulse);
     without_pressure = free_velocity + inverse_mass * impulse;
-    const auto packed =
-        settings.pressure_pulls
-            ? pressure.solve_pulling(without_pressure, bound, stress.pressure, settings.record)
-            : pressure.solve(without_pressure, room, bound, stress.pressure, settings.record);
+    speeds_without_pressure = free_speeds;
+    if (bodies.any()) {
+      friction.stress_of(stress.copies, stress_at_solids);
+      bodies.add_friction(stress_at_solids, speeds_without_pressure);
+    }
+    const auto packed = settings.pressure_pulls
+                            ? pressure.solve_pulling(without_pressure, speeds_without_pressure, bound,
+                                                     stress.pressure, settings.record)
+                            : pressure.solve(without_pressure, speeds_without_pressure, room, bound,
+                                             stress.pressure, settings.record);
     report.seconds[Phase::pressure] += watch.lap();
 
     report.friction_iterations += frictional.iterations;
@@ -102,6 +129,8 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
   impulse.setZero();
   add_gradient(region, stress.pressure, -1.0, impulse);
   velocity.head(faces) = without_pressure + inverse_mass * impulse;
+  speeds = speeds_without_pressure;
+  bodies.add_pressure(stress.pressure, -1.0, speeds);
   return report;
 }
 

@@ -56,6 +56,11 @@ struct ProjectionReport {
 ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt, double velocity_scale,
                          bool cold, const ProjectionSettings& settings, FrictionSolver& solver,
                          Stress& stress, Field& velocity);
+/// The same with bodies, whose `speeds` (BodyCoupling::speeds) enter with all other forces' impulses and leave with the
+/// sand's.
+ProjectionReport project(const ActiveRegion& region, const GridState& state, double dt, double velocity_scale,
+                         bool cold, const ProjectionSettings& settings, FrictionSolver& solver,
+                         const BodyCoupling& bodies, Stress& stress, Field& velocity, Field& speeds);
 
 /// Carries the stress from one region to the next: cells, wall faces and contacts keep their values, new ones start
 /// from zero, impulses scale with the time step.

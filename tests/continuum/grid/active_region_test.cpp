@@ -200,15 +200,15 @@ bool same(const WallFace& one, const WallFace& other) {
 }
 bool same(const Contact& one, const Contact& other) {
   const auto tied = [](const Contact& x) {
-    const auto& [cell, normal, area, friction, faces, tangents] = x;
-    return std::tie(cell, normal, area, friction, faces, tangents);
+    const auto& [cell, normal, area, friction, body, faces, tangents] = x;
+    return std::tie(cell, normal, area, friction, body, faces, tangents);
   };
   return tied(one) == tied(other);
 }
 bool same(const Closure& one, const Closure& other) {
   const auto tied = [](const Closure& x) {
-    const auto& [cell, axis, normal_share, faces, weight] = x;
-    return std::tie(cell, axis, normal_share, faces, weight);
+    const auto& [cell, axis, body, normal_share, normal, faces, weight] = x;
+    return std::tie(cell, axis, body, normal_share, normal, faces, weight);
   };
   return tied(one) == tied(other);
 }

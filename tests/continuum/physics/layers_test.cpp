@@ -93,7 +93,7 @@ TEST(LayerAtRest, PressureIsHydrostaticAndNothingMoves) {
   testing::tag(state);
   const Eigen::Matrix3Xd start = testing::positions_by_tag(state);
   testing::run_for(state, settings, 0.1, [](const State&, const StepReport&) {});
-  const auto& [region, stress, shear_rate, confining, dt] = *state.warm;
+  const auto& [region, stress, shear_rate, confining, dt, by_sand] = *state.warm;
   const double density = state.materials[0].max_density(), area = spacing * spacing;
   for (int cell = 0; cell < region.cell_count(); ++cell) {
     const int k = region.grid.cell_of_index(region.dense_of_cell[static_cast<std::size_t>(cell)])[2];

@@ -211,7 +211,7 @@ TEST(PaperScheme, PressureOfALayerAtRestIsHydrostaticInEachMaterial) {
   testing::tag(state);
   const Eigen::Matrix3Xd start = testing::positions_by_tag(state);
   testing::run_for(state, settings, 0.1, [](const State&, const StepReport&) {});
-  const auto& [region, stress, shear_rate, confining, dt] = *state.warm;
+  const auto& [region, stress, shear_rate, confining, dt, by_sand] = *state.warm;
   const double light = state.materials[0].max_density(), heavy = state.materials[1].max_density();
   for (int cell = 0; cell < region.cell_count(); ++cell) {
     const double z = region.grid.cell_of_index(region.dense_of_cell[static_cast<std::size_t>(cell)])[2] + 0.5;

@@ -5,6 +5,7 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/scene/scene.h"
+#include "continuum/solids/move_bodies.h"
 #include "tests/continuum/solids/mesh_files.h"
 #include "tests/test_folder.h"
 
@@ -29,8 +30,9 @@ class ReadBodies : public ::testing::Test {
     return read_scene(folder_.path() / "scene.toml");
   }
   void expect_error(const std::string& more, const std::string& key, const std::string& why) {
-    EXPECT_THAT(testing::input_error([&] { read(more); }),
-                AllOf(HasSubstr("scene.toml:"), ::testing::ContainsRegex("key 'body.[0-9]+.." + key), HasSubstr(why)))
+    EXPECT_THAT(
+        testing::input_error([&] { read(more); }),
+        AllOf(HasSubstr("scene.toml:"), ::testing::ContainsRegex("key 'body.[0-9]+.." + key), HasSubstr(why)))
         << more;
   }
   static std::string with(const std::string& from, const std::string& to) {
@@ -151,8 +153,10 @@ TEST_F(ReadBodies, SandKeepsOutOfThem) {
       "density_kg_m3 = 2000.0\nrough = true\n";
   const Scene scene = read(buried);
   const State state = initial_state(scene);
+  EXPECT_EQ(state.bodies.size(), 1U);
+  EXPECT_TRUE(state.openings.any());
   const State without = initial_state(read(""));
-  const double swelling = thickening(scene.bodies[0], least_body_thickness * scene.grid.spacing);
+  const double swelling = swellings(scene.bodies, scene.grid.spacing)[0];
   EXPECT_NEAR(swelling, 0.0055 - 0.004, 1e-12);
   for (Eigen::Index p = 0; p < state.particles.count(); ++p)
     EXPECT_GE(signed_distance(scene.bodies[0], state.particles.positions.col(p)), swelling);

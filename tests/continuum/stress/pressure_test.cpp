@@ -264,7 +264,7 @@ TEST(Pressure, ThatPullsHoldsTogetherWhatFliesApart) {
   Field sand = Field::Zero(n + 1), liquid = sand;
   EXPECT_TRUE(solver.solve(instance.velocity, instance.room, settings, sand).converged);
   EXPECT_EQ(sand.abs().maxCoeff(), 0.0);
-  EXPECT_TRUE(solver.solve_pulling(instance.velocity, settings, liquid).converged);
+  EXPECT_TRUE(solver.solve_pulling(instance.velocity, Field(), settings, liquid).converged);
   EXPECT_LT(liquid.minCoeff(), -1.0);
   Field impulse = Field::Zero(instance.velocity.size()), divergence(n + 1);
   add_gradient(instance.region, liquid, -1.0, impulse);

@@ -1,0 +1,86 @@
+#include "continuum/solids/move_bodies.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace talus {
+
+std::vector<double> swellings(std::span<const Body> bodies, double spacing) {
+  std::vector<double> swollen;
+  for (const Body& body : bodies) swollen.push_back(thickening(body, least_thickness * spacing));
+  return swollen;
+}
+
+void find_openings(const Grid& grid, const Openings& fixed, std::span<const Body> bodies,
+                   std::span<const double> swellings, Openings& openings) {
+  std::vector<Eigen::AlignedBox3d> places;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    Eigen::AlignedBox3d box = bounds(bodies[b]);
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(swellings[b] + 0.5 * grid.spacing);
+    places.emplace_back(box.min() - margin, box.max() + margin);
+  }
+  add_solids(
+      grid, fixed, places,
+      [&](const Eigen::Vector3d& point) {
+        WallDistance nearest{std::numeric_limits<double>::max(), 0.0};
+        for (std::size_t b = 0; b < bodies.size(); ++b) {
+          if (!places[b].contains(point) && places[b].exteriorDistance(point) > 2.0 * grid.spacing) continue;
+          const double distance = signed_distance(bodies[b], point) - swellings[b];
+          if (distance < nearest.distance) nearest = {distance, bodies[b].friction, static_cast<int>(b)};
+        }
+        return nearest;
+      },
+      openings);
+}
+
+double fastest_surface(std::span<const Body> bodies, std::span<const Twist> twists) {
+  double fastest = 0.0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const Eigen::AlignedBox3d box = bounds(bodies[b]);
+    const Eigen::Vector3d& centre = bodies[b].pose.position;
+    const double reach = (box.max() - centre).cwiseAbs().cwiseMax((box.min() - centre).cwiseAbs()).norm();
+    fastest = std::max(fastest, twists[b].velocity.norm() + reach * twists[b].angular_velocity.norm());
+  }
+  return fastest;
+}
+
+std::vector<Twist> accelerated_twists(std::span<const Body> bodies, const Eigen::Vector3d& gravity,
+                                      double dt) {
+  std::vector<Twist> twists;
+  for (const Body& body : bodies) {
+    const auto* hinge = std::get_if<Hinge>(&body.motion);
+    const Eigen::Vector3d torque =
+        hinge ? Eigen::Vector3d(hinge->torque * hinge->axis) : Eigen::Vector3d::Zero();
+    twists.push_back(body.twist + push(body, dt * body.mass * gravity, dt * torque));
+  }
+  return twists;
+}
+
+std::vector<Twist> twists_of(std::span<const Body> bodies) {
+  std::vector<Twist> twists;
+  for (const Body& body : bodies) twists.push_back(body.twist);
+  return twists;
+}
+
+void set_twists(std::span<const Twist> twists, std::span<Body> bodies) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) bodies[b].twist = twists[b];
+}
+
+Twist operator+(const Twist& a, const Twist& b) {
+  return {a.velocity + b.velocity, a.angular_velocity + b.angular_velocity};
+}
+Twist operator-(const Twist& a, const Twist& b) {
+  return {a.velocity - b.velocity, a.angular_velocity - b.angular_velocity};
+}
+Twist operator*(double factor, const Twist& twist) {
+  return {factor * twist.velocity, factor * twist.angular_velocity};
+}
+
+Twist push(const Body& body, const Eigen::Vector3d& impulse, const Eigen::Vector3d& angular_impulse) {
+  Eigen::Matrix<double, 6, 1> wrench;
+  wrench << impulse, angular_impulse;
+  const Eigen::Matrix<double, 6, 1> change = inverse_mass(body) * wrench;
+  return {change.head<3>(), change.tail<3>()};
+}
+
+}  // namespace talus
