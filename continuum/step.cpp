@@ -31,7 +31,8 @@ double time_step(const State& state, const StepSettings& settings, double dt_lim
 
 /// Steps end where gates open and where layers enter, so that neither comes late.
 double next_event(const State& state) {
-  double next = std::min(next_opening(state.walls, state.time), next_motion_change(state.bodies, state.time));
+  double next = std::min({next_opening(state.walls, state.time), next_motion_change(state.bodies, state.time),
+                          next_explosion(state.explosions, state.time)});
   for (const Source& source : state.sources) {
     // A running source is served every step; one that waits, or an empty domain, would let a step run past it.
     if (source.layers == 0 || state.particles.count() == 0) next = std::min(next, source.next_layer_time());
@@ -233,7 +234,7 @@ void move_bodies(State& state, const Flow& flow, double dt) {
   std::vector<Twist> twists;
   for (std::size_t b = 0; b < flow.pushed.size(); ++b) twists.push_back(flow.accelerated[b] + flow.pushed[b]);
   set_twists(twists, state.bodies);
-  talus::move_bodies(state.bodies, around_bodies(state), state.time, dt);
+  move_with_contacts(state.bodies, around_bodies(state), state.time, dt);
   find_openings(state);
 }
 
@@ -248,12 +249,14 @@ void push_bodies(State& state, StepReport& report) {
   }
 }
 
-/// Gates that are due open; layers that are due enter.
+/// Gates that are due open, explosions go off, layers that are due enter.
 void advance_time(State& state, double dt, StepReport& report) {
   const double event = next_event(state), opening = next_opening(state.walls, state.time);
+  const double before = state.time;
   state.time += dt;
   if (std::abs(event - state.time) < 1e-9 * dt)
     state.time = event;  // so that round-off leaves no sliver of a step
+  apply_explosions(state.explosions, before, state.time, state.particles, state.bodies);
   if (opening <= state.time) {
     state.openings = openings_of(state.grid, state.walls, state.time);
     if (!state.bodies.empty()) {
@@ -316,7 +319,7 @@ StepReport empty_step(State& state, Stopwatch& watch, StepReport report) {
   state.warm.reset();
   if (!state.bodies.empty()) {
     set_twists(accelerated_twists(state.bodies, state.gravity, report.dt), state.bodies);
-    talus::move_bodies(state.bodies, around_bodies(state), state.time, report.dt);
+    move_with_contacts(state.bodies, around_bodies(state), state.time, report.dt);
     find_openings(state);
   }
   advance_time(state, report.dt, report);

@@ -14,6 +14,7 @@
 #include "continuum/particles/transfer.h"
 #include "continuum/phases.h"
 #include "continuum/solids/body.h"
+#include "continuum/solids/explosion.h"
 #include "continuum/solids/wall.h"
 #include "continuum/stress/packing.h"
 #include "continuum/stress/scheme.h"
@@ -51,6 +52,7 @@ struct State {
     std::vector<double> swellings;  // m, of bodies (find_openings)
   };
   Solids solids = {};
+  std::vector<Explosion> explosions = {};
 };
 
 /// Gives the state its bodies; its openings are those of its walls until then.
@@ -94,8 +96,8 @@ struct StepReport {
   int cap_hits() const { return projection.cap_hits + (packing.solve.converged ? 0 : 1); }
 };
 
-/// Advances by one time step of at most `dt_limit` seconds; gates open, and sources send their next layer, at the end of
-/// a step. Render points follow, and change nothing else. Throws NumericalError when a velocity is not finite; the state may
+/// Advances by one time step of at most `dt_limit` seconds; gates open, explosions go off, and sources send their next layer,
+/// at the end of a step. Render points follow, and change nothing else. Throws NumericalError when a velocity is not finite; the state may
 /// then be looked at, but is not one to step on from: particles are where the density correction put them, and of
 /// warm->region only what take_tables leaves is there. Throws std::invalid_argument, before anything has changed, when the
 /// render points are not those of the particles.

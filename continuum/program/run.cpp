@@ -4,14 +4,18 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "analysis/snapshot.h"
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/provenance.h"
+#include "continuum/io/body_log.h"
 #include "continuum/io/budget.h"
+#include "continuum/io/stl.h"
 #include "continuum/parallel.h"
 #include "continuum/program/frames.h"
 #include "continuum/qp/problem_file.h"
+#include "continuum/solids/surface_mesh.h"
 
 namespace talus {
 namespace {
@@ -34,13 +38,41 @@ void warn_of_caps(const State& state, const StepReport& report) {
 
 /// Results of an earlier run there must not stand for this one's, should it not finish.
 void clear_old_results(const std::filesystem::path& output) {
-  for (const char* old : {"snapshots.h5", "snapshots.xdmf", "run.json", "budget.csv"})
+  for (const char* old : {"snapshots.h5", "snapshots.xdmf", "run.json", "budget.csv", "bodies.csv"})
     std::filesystem::remove(output / old);
+  if (std::filesystem::is_directory(output / "bodies")) {
+    for (const auto& surface : std::filesystem::directory_iterator(output / "bodies")) {
+      if (surface.path().extension() == ".stl") std::filesystem::remove(surface.path());
+    }
+  }
   if (!std::filesystem::is_directory(output / "qp")) return;
   for (const auto& step : std::filesystem::directory_iterator(output / "qp")) {
     if (step.path().filename().string().starts_with("step_")) std::filesystem::remove_all(step.path());
   }
 }
+
+/// Where there are bodies: their surfaces, and a row for each in every frame.
+class BodyFiles {
+ public:
+  BodyFiles(const std::filesystem::path& output, const State& state) {
+    if (state.bodies.empty()) return;
+    std::filesystem::create_directories(output / "bodies");
+    for (const Body& body : state.bodies)
+      write_file_atomically(output / "bodies" / (body.name + ".stl"), binary_stl(surface_mesh(body.shape)));
+    rows_.emplace(output / "bodies.csv", BodyLog::header() + log_.rows(state));
+  }
+  void add(const StepReport& report) { log_.add(report); }
+  void end_frame(const State& state) {
+    if (rows_) rows_->append(log_.rows(state));
+  }
+  void finish() {
+    if (rows_) rows_->finish();
+  }
+
+ private:
+  BodyLog log_;
+  std::optional<GrowingFile> rows_;
+};
 
 }  // namespace
 
@@ -60,6 +92,7 @@ void run(const RunOptions& options) {
   clear_old_results(output);
   State state = initial_state(scene);
   Budget budget(state);
+  BodyFiles bodies(output, state);
   GrowingFile steps(output / "budget.csv", Budget::header());
   analysis::SnapshotWriter snapshots(output / "snapshots.h5", made_by.dump());
   snapshots.append(snapshot_of(state));
@@ -74,12 +107,14 @@ void run(const RunOptions& options) {
     const StepReport report = step(state, scene.settings, dt_limit);
     ++steps_done;
     budget.add(state, report);
+    bodies.add(report);
     steps.append(budget.row());
     warn_of_caps(state, report);
   };
   for (int frame = 1; frame <= frames; ++frame) {
     run_to_frame(scene, frame, state, take_step);
     snapshots.append(snapshot_of(state));
+    bodies.end_frame(state);
     spdlog::info("frame {}/{} t = {:.4f} s", frame, frames, state.time);
   }
   for (const int dumped : dumped_steps) {
@@ -88,6 +123,7 @@ void run(const RunOptions& options) {
   }
   snapshots.finish();
   steps.finish();
+  bodies.finish();
   nlohmann::json summary{{"schema", "talus-run"},     {"schema_version", 1},
                          {"provenance", made_by},     {"scene", options.scene.filename().string()},
                          {"simulated_s", state.time}, {"particles", state.particles.count()},

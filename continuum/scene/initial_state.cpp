@@ -4,6 +4,7 @@
 
 #include "continuum/files/input_error.h"
 #include "continuum/scene/scene.h"
+#include "continuum/solids/body_step.h"
 
 namespace talus {
 namespace {
@@ -13,10 +14,19 @@ struct Lattice {
   double mass;  // kg, of each
 };
 
+/// As wide as the grid sees bodies.
+bool in_a_body(const Scene& scene, const std::vector<double>& swollen, const Eigen::Vector3d& position) {
+  for (std::size_t b = 0; b < swollen.size(); ++b) {
+    if (signed_distance(scene.bodies[b], position) < swollen[b]) return true;
+  }
+  return false;
+}
+
 /// A lattice that fills the shape's bounds exactly, as near to n per cell and axis as whole numbers allow; of it, what
-/// lies in the shape and outside walls.
+/// lies in the shape and outside walls and bodies.
 template <class Random>
 Lattice fill(const Scene& scene, const Filling& filling, Random& symmetric) {
+  const std::vector<double> swollen = swellings(scene.bodies, scene.grid.spacing);
   const Eigen::AlignedBox3d box = bounds(filling.shape);
   const Eigen::Vector3d size = box.sizes();
   const Eigen::Vector3d count =
@@ -30,7 +40,7 @@ Lattice fill(const Scene& scene, const Filling& filling, Random& symmetric) {
         for (int axis = 0; axis < 3; ++axis) at[axis] += 0.5 * scene.jitter * symmetric();
         const Eigen::Vector3d position = box.min() + at.cwiseProduct(spacing);
         if (signed_distance(filling.shape, position) > 0.0 ||
-            nearest_wall(scene.walls, 0.0, position).distance < 0.0)
+            nearest_wall(scene.walls, 0.0, position).distance < 0.0 || in_a_body(scene, swollen, position))
           continue;
         for (const Filling* earlier = scene.fillings.data(); earlier != &filling; ++earlier) {
           if (signed_distance(earlier->shape, position) < -1e-9 * scene.grid.spacing)
@@ -43,7 +53,7 @@ Lattice fill(const Scene& scene, const Filling& filling, Random& symmetric) {
   }
   if (lattice.positions.empty())
     throw InputError(
-        fmt::format("{}: a [[sand]] shape holds no particle: it lies inside walls, or is too small",
+        fmt::format("{}: a [[sand]] shape holds no particle: it lies inside walls or bodies, or is too small",
                     scene.file.string()));
   return lattice;
 }
@@ -99,6 +109,8 @@ State initial_state(const Scene& scene) {
       ++p;
     }
   }
+  if (!scene.bodies.empty()) add_bodies(state, scene.bodies);
+  state.explosions = scene.explosions;
   if (scene.render_points_per_particle > 0) state.render_points = initial_render_points(scene, state);
   return state;
 }

@@ -42,6 +42,12 @@ Geometry read_sphere(const CheckedTable& table) {
   return Sphere{table.vector("centre_m"), table.number("radius_m", positive)};
 }
 
+Geometry read_capsule(const CheckedTable& table) {
+  const Eigen::Vector3d from = table.vector("from_m"), to = table.vector("to_m");
+  if (from == to) throw table.error("to_m", "must differ from from_m; of length 0 it is a sphere");
+  return Capsule{from, to, table.number("radius_m", positive)};
+}
+
 Geometry read_cylinder(const CheckedTable& table) {
   return cylinder(table.vector("base_m"), direction(table, "axis"), table.number("radius_m", positive),
                   table.number("height_m", positive));
@@ -84,10 +90,10 @@ Geometry read_mesh_file(const CheckedTable& table) {
   }
 }
 
-constexpr std::array<std::string_view, 8> kinds{"plane", "box",       "sphere",  "cylinder",
+constexpr std::array<std::string_view, 9> kinds{"plane", "box",       "sphere",  "capsule", "cylinder",
                                                 "cone",  "hourglass", "profile", "mesh"};
 constexpr std::array<Geometry (*)(const CheckedTable&), kinds.size()> readers{
-    read_plane, read_box,       read_sphere,  read_cylinder,
+    read_plane, read_box,       read_sphere,  read_capsule,  read_cylinder,
     read_cone,  read_hourglass, read_profile, read_mesh_file};
 
 }  // namespace

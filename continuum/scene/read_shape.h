@@ -12,6 +12,7 @@ namespace talus {
 ///   plane      point_m, normal: out of the solid
 ///   box        lower_m, upper_m; optional rotation_axis and rotation_angle_deg: turned about its centre
 ///   sphere     centre_m, radius_m
+///   capsule    from_m, to_m: ends of its axis, radius_m: of the tube about it and of its round ends
 ///   cylinder   base_m: centre of its lower end, axis: upwards, radius_m, height_m
 ///   cone       base_m, axis, base_radius_m, top_radius_m: one of them may be 0, height_m
 ///   hourglass  base_m, axis, bulb_radius_m, bulb_height_m: the cylindrical part of each bulb, neck_radius_m,

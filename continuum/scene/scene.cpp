@@ -8,30 +8,20 @@
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
 #include "continuum/files/provenance.h"
+#include "continuum/scene/read_bodies.h"
+#include "continuum/scene/read_common.h"
+#include "continuum/scene/read_explosions.h"
 #include "continuum/scene/read_shape.h"
 #include "continuum/scene/read_solver.h"
 
 namespace talus {
 namespace {
 
-constexpr double largest_friction_angle_deg = 60.0;
 constexpr double most_cells = 5e7;  // every cell takes some 60 bytes, used or not, and with walls 80 more
 constexpr double most_particles = 1e8;
 constexpr double most_render_points = 1e9;
 constexpr double most_frames = 1e6;
 constexpr std::array<std::string_view, 3> axis_names{"x", "y", "z"};
-
-double friction_of_angle_deg(double angle) { return std::tan(angle * std::numbers::pi / 180.0); }
-
-/// `friction_angle_deg`, or `rough = true` for a wall that is as rough as the sand.
-double read_wall_friction(const CheckedTable& table) {
-  if (table.boolean("rough", false)) {
-    if (table.has("friction_angle_deg"))
-      throw table.error("friction_angle_deg", "a rough wall has the sand's; remove this");
-    return as_rough_as_sand;
-  }
-  return friction_of_angle_deg(table.number("friction_angle_deg", {0.0, largest_friction_angle_deg}));
-}
 
 Side read_side(const CheckedTable& table, std::string_view name) {
   constexpr std::array<std::string_view, 2> kinds{"open", "wall"};
@@ -39,7 +29,7 @@ Side read_side(const CheckedTable& table, std::string_view name) {
   if (!side_table) return {};
   Side side;
   side.wall = side_table->choice("kind", kinds) == "wall";
-  if (side.wall) side.friction = read_wall_friction(*side_table);
+  if (side.wall) side.friction = read_solid_friction(*side_table);
   side_table->finish();
   return side;
 }
@@ -103,12 +93,6 @@ std::size_t read_material_name(const CheckedTable& table, const std::vector<Mate
   return static_cast<std::size_t>(found - materials.begin());
 }
 
-bool holds(const Grid& grid, const Eigen::AlignedBox3d& box) {
-  const double slack = 1e-9 * grid.spacing;
-  return (box.min().array() >= grid.origin.array() - slack).all() &&
-         (box.max().array() <= grid.upper().array() + slack).all();
-}
-
 std::vector<Filling> read_fillings(const CheckedTable& root, const std::vector<Material>& materials,
                                    const Grid& grid) {
   std::vector<Filling> fillings;
@@ -127,7 +111,7 @@ std::vector<Wall> read_walls(const CheckedTable& root) {
   std::vector<Wall> walls;
   if (!root.has("wall")) return walls;
   for (const auto& table : root.tables("wall")) {
-    Wall wall{read_shape(table.table("shape")), read_wall_friction(table)};
+    Wall wall{read_shape(table.table("shape")), read_solid_friction(table)};
     wall.opens_at = table.number("opens_at_s", positive, wall.opens_at);
     table.finish();
     walls.push_back(wall);
@@ -263,6 +247,8 @@ Scene read_scene(const std::filesystem::path& file) {
   scene.walls = read_walls(root);
   scene.fillings = read_fillings(root, scene.materials, scene.grid);
   check_walls(root, scene);
+  scene.bodies = read_bodies(root, {scene.grid, scene.sides, scene.walls, scene.gravity});
+  scene.explosions = read_explosions(root);
 
   const CheckedTable particles = root.table("particles");
   scene.particles_per_cell = read_particles_per_cell(particles);

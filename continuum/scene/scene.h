@@ -5,11 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "continuum/solids/body.h"
+#include "continuum/solids/explosion.h"
 #include "continuum/step.h"
 
 namespace talus {
 
-/// A shape filled with particles of one material at its packing limit, where no wall stands.
+/// A shape filled with particles of one material at its packing limit, where no wall stands and no body is.
 struct Filling {
   std::size_t material;
   Shape shape;
@@ -24,6 +26,8 @@ struct Scene {
   Eigen::Vector3d gravity;
   std::vector<Material> materials;
   std::vector<Wall> walls;
+  std::vector<Body> bodies;
+  std::vector<Explosion> explosions;
   std::vector<Filling> fillings;
   std::vector<Source> sources;
   Eigen::Vector3i particles_per_cell;  // along each axis: a lattice

@@ -219,13 +219,13 @@ int parts_of_step(std::span<const Body> bodies, std::span<const double> inradii,
 
 }  // namespace
 
-void resolve_contacts(std::span<const Body> bodies, const BodySurroundings& surroundings, double time, double dt,
-                      std::span<Twist> twists) {
+void resolve_contacts(std::span<const Body> bodies, const BodySurroundings& surroundings, double time,
+                      double dt, std::span<Twist> twists) {
   ContactFinder finder(bodies, surroundings);
   solve_velocities(bodies, finder.find(bodies, time), surroundings.gravity.norm() * dt, twists);
 }
 
-int move_bodies(std::span<Body> bodies, const BodySurroundings& surroundings, double time, double dt) {
+int move_with_contacts(std::span<Body> bodies, const BodySurroundings& surroundings, double time, double dt) {
   if (bodies.empty()) return 0;
   std::vector<double> inradii;
   for (const Body& body : bodies) inradii.push_back(inradius(body.shape));

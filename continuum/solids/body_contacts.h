@@ -19,12 +19,12 @@ namespace talus {
 /// `twists`, one for each body, have every other impulse of the step on entry, and those of contacts on return. Bodies stay where
 /// they are; a body that touches nothing keeps its twist to the last bit. The momentum of free bodies that touch each other is
 /// kept to round-off. `dt`: the step (s), for the least speed that bounces.
-void resolve_contacts(std::span<const Body> bodies, const BodySurroundings& surroundings, double time, double dt,
-                      std::span<Twist> twists);
+void resolve_contacts(std::span<const Body> bodies, const BodySurroundings& surroundings, double time,
+                      double dt, std::span<Twist> twists);
 
 /// Moves bodies from `time` to `time` + dt by their twists, as `integrate` does, and resolves their contacts on the way: in so many
 /// parts that nothing which may touch something moves further in one than 1/20 of its inradius. What overlaps is moved
 /// apart, a fifth of the depth in each part, without being given velocity for it. Returns how many parts there were.
-int move_bodies(std::span<Body> bodies, const BodySurroundings& surroundings, double time, double dt);
+int move_with_contacts(std::span<Body> bodies, const BodySurroundings& surroundings, double time, double dt);
 
 }  // namespace talus

@@ -177,31 +177,45 @@ void start_library() {
 
 struct ContactFinder::Geometries {
   struct Obstacle {
-    Geometry geometry;
+    Shape shape;
     Eigen::AlignedBox3d box;
     int wall;  // -1: a side of the domain
+    Geometry geometry{};
   };
-  std::vector<Geometry> bodies;
+  std::vector<Geometry> bodies;  // both are empty until something comes near
   std::vector<Obstacle> obstacles;
+
+  const Geometry& of_body(std::size_t i, const Body& body) {
+    if (!bodies[i].geom) bodies[i] = geometry_of(body.shape);
+    place(bodies[i], body.pose.orientation.toRotationMatrix(), body.pose.position);
+    return bodies[i];
+  }
+  static const Geometry& of_obstacle(Obstacle& obstacle) {
+    if (!obstacle.geometry.geom) {
+      obstacle.geometry = geometry_of(obstacle.shape);
+      place(obstacle.geometry, Matrix3d::Identity(), Vector3d::Zero());
+    }
+    return obstacle.geometry;
+  }
 };
 
 ContactFinder::ContactFinder(std::span<const Body> bodies, const BodySurroundings& surroundings)
     : surroundings_(surroundings), geometries_(std::make_unique<Geometries>()) {
   start_library();
-  for (const Body& body : bodies) geometries_->bodies.push_back(geometry_of(body.shape));
+  geometries_->bodies.resize(bodies.size());
   for (std::size_t w = 0; w < surroundings.walls.size(); ++w) {
     const Shape& shape = surroundings.walls[w].shape;
     if (shape.hollow) continue;
-    geometries_->obstacles.push_back({geometry_of(shape), bounds(shape), static_cast<int>(w)});
-    place(geometries_->obstacles.back().geometry, Matrix3d::Identity(), Vector3d::Zero());
+    geometries_->obstacles.push_back({shape, bounds(shape), static_cast<int>(w)});
   }
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
     for (const std::size_t end : {0U, 1U}) {
       if (surroundings.grid.periodic[a] || !surroundings.sides[a][end].wall) continue;
-      const Plane side{end == 0 ? surroundings.grid.origin : surroundings.grid.upper(),
-                       (end == 0 ? 1.0 : -1.0) * Vector3d::Unit(axis)};
-      geometries_->obstacles.push_back({geometry_of(side), bounds(Shape{side}), -1});
+      Shape side;
+      side.geometry = Plane{end == 0 ? surroundings.grid.origin : surroundings.grid.upper(),
+                            (end == 0 ? 1.0 : -1.0) * Vector3d::Unit(axis)};
+      geometries_->obstacles.push_back({side, bounds(side), -1});
     }
   }
 }
@@ -211,24 +225,22 @@ ContactFinder::~ContactFinder() = default;
 std::vector<ContactPoint> ContactFinder::find(std::span<const Body> bodies, double time) {
   std::vector<ContactPoint> contacts;
   std::vector<Eigen::AlignedBox3d> boxes;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Body& body = bodies[i];
-    place(geometries_->bodies[i], body.pose.orientation.toRotationMatrix(), body.pose.position);
-    boxes.push_back(bounds(body));
-  }
+  for (const Body& body : bodies) boxes.push_back(bounds(body));
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const int first = static_cast<int>(i);
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
       if (prescribed(bodies[i]) && prescribed(bodies[j])) continue;
       if (boxes[i].intersects(boxes[j]))
-        add_contacts(first, static_cast<int>(j), geometries_->bodies[i], geometries_->bodies[j], contacts);
+        add_contacts(first, static_cast<int>(j), geometries_->of_body(i, bodies[i]),
+                     geometries_->of_body(j, bodies[j]), contacts);
     }
     if (prescribed(bodies[i])) continue;
-    for (const Geometries::Obstacle& obstacle : geometries_->obstacles) {
+    for (Geometries::Obstacle& obstacle : geometries_->obstacles) {
       const bool stands =
           obstacle.wall < 0 || surroundings_.walls[static_cast<std::size_t>(obstacle.wall)].stands_at(time);
       if (stands && boxes[i].intersects(obstacle.box))
-        add_contacts(first, no_body, geometries_->bodies[i], obstacle.geometry, contacts);
+        add_contacts(first, no_body, geometries_->of_body(i, bodies[i]), Geometries::of_obstacle(obstacle),
+                     contacts);
     }
     for (const Wall& wall : surroundings_.walls) {
       if (wall.shape.hollow && wall.stands_at(time))

@@ -71,6 +71,14 @@ TEST_F(ReadShape, Sphere) {
   expect_error("kind = 'sphere', centre_m = [1, 0, 0], radius_m = 2, hollow = 1", "hollow", "true or false");
 }
 
+TEST_F(ReadShape, Capsule) {
+  const Shape shape = read("kind = 'capsule', from_m = [0, 0, 1], to_m = [0, 0, 3], radius_m = 0.5");
+  EXPECT_DOUBLE_EQ(signed_distance(shape, {0, 0, 4}), 0.5);
+  EXPECT_DOUBLE_EQ(signed_distance(shape, {2, 0, 2}), 1.5);
+  expect_error("kind = 'capsule', from_m = [0, 0, 1], to_m = [0, 0, 1], radius_m = 0.5", "to_m",
+               "must differ from from_m");
+}
+
 TEST_F(ReadShape, Cylinder) {
   const Shape shape =
       read("kind = 'cylinder', base_m = [1, 0, 0], axis = [2, 0, 0], radius_m = 0.5, height_m = 3");
@@ -139,7 +147,7 @@ TEST_F(ReadShape, MeshBesideTheSceneFile) {
 
 TEST_F(ReadShape, UnknownKindsAndKeysAreErrors) {
   expect_error("kind = 'ball', centre_m = [0, 0, 0]", "kind' = 'ball'",
-               "one of: plane, box, sphere, cylinder");
+               "one of: plane, box, sphere, capsule, cylinder");
   expect_error("centre_m = [0, 0, 0]", "kind", "is missing");
   expect_error("kind = 'sphere', centre_m = [1, 0, 0], radius_m = 2, height_m = 1", "height_m",
                "is not a key");

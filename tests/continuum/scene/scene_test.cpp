@@ -157,7 +157,7 @@ TEST(Scene, ReadsWallsAndGates) {
   expect_error(good_scene + testing::replaced(ramp, "45.0", "75.0"), "between 0 and 60");
   expect_error(good_scene + testing::replaced(ramp, "friction_angle_deg = 45.0\n", ""),
                "friction_angle_deg': is missing");
-  expect_error(good_scene + ramp + "rough = true\n", "a rough wall has the sand's");
+  expect_error(good_scene + ramp + "rough = true\n", "what is rough has the sand's");
   expect_error(good_scene + ramp + "opens_at_s = 0.0\n", "opens_at_s' = 0: must be greater than 0");
   expect_error(good_scene + ramp + "open_at_s = 1.0\n", "did you mean 'opens_at_s'");
   expect_error(good_scene + "[[wall]]\nrough = true\n", "shape");
