@@ -28,8 +28,22 @@ std::filesystem::path film_program(const RenderOptions& options) {
   return find_program("ffmpeg", "ffmpeg");
 }
 
-/// What the camera must see: sand at five moments of the whole run, whichever of its frames are drawn, so that pictures drawn
-/// now and later are taken from one place. Of many points, some; without any, the corners of the domain.
+/// Corners of what is inside hollow walls, as far as it lies in the domain.
+void add_vessels(const Scene& scene, Eigen::Matrix3Xd& subject) {
+  for (const Wall& wall : scene.walls) {
+    if (!wall.shape.hollow) continue;
+    Shape inside = wall.shape;
+    inside.hollow = false;
+    const Eigen::AlignedBox3d box = bounds(inside).intersection({scene.grid.origin, scene.grid.upper()});
+    subject.conservativeResize(3, subject.cols() + 8);
+    for (int corner = 0; corner < 8; ++corner)
+      subject.col(subject.cols() - 8 + corner) =
+          box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+  }
+}
+
+/// What the camera must see: vessels, and sand at five moments of the whole run, whichever of its frames are drawn, so that
+/// pictures drawn now and later are taken from one place. Of many points, some; without any, the corners of the domain.
 Eigen::Matrix3Xd subject_of(const RunFolder& run) {
   constexpr std::size_t moments = 5;
   constexpr Eigen::Index enough = 20000;
@@ -42,6 +56,7 @@ Eigen::Matrix3Xd subject_of(const RunFolder& run) {
     for (Eigen::Index k = 0; k < added; ++k)
       subject.col(before + k) = frame.positions.col(k * stride).cast<double>();
   }
+  add_vessels(run.scene, subject);
   if (subject.cols() > 0) return subject;
   subject.resize(3, 2);
   subject << run.scene.grid.origin, run.scene.grid.upper();
