@@ -19,7 +19,10 @@ using Eigen::Vector3d;
 // How bright the lights are, and their colours: a warm sun, the sky, and what the ground throws back from behind.
 constexpr std::array<double, 3> sunlight{1.95, 1.80, 1.54}, skylight{0.40, 0.45, 0.50},
     backlight{0.15, 0.15, 0.17};
-constexpr int sun_samples = 3;       // along each side of the sun's disc
+constexpr int sun_samples =
+    5;  // along each side of the sun's disc; jittered, pictures would differ from draw to draw
+constexpr double haze = 45.0;  // sizes of the domain over which the ground fades, so that it has no edge
+constexpr const char* air = "srgb <0.80,0.79,0.77>";
 constexpr double far_away = 1000.0;  // in sizes of the domain: rays of the sun are parallel
 
 std::string text_of(const Vector3d& v) { return fmt::format("<{:.9g},{:.9g},{:.9g}>", v[0], v[1], v[2]); }
@@ -57,11 +60,11 @@ void write_view(const Scene& scene, const Look& look, Text& text) {
   const Camera& camera = look.camera;
   text.add(
       "#version 3.7;\nglobal_settings {{ assumed_gamma 1.0 max_trace_level 8 }}\n"
-      "#default {{ finish {{ ambient 0 diffuse 0.9 }} }}\nbackground {{ srgb <0.78,0.80,0.82> }}\n"
+      "#default {{ finish {{ ambient 0 diffuse 0.9 }} }}\nbackground {{ {} }}\nfog {{ distance {:.9g} {} }}\n"
       // POV-Ray's axes are left-handed unless right points to minus x.
       "camera {{ location {} sky {} up z right -{:.9g}*x angle {:.9g} look_at {} }}\n",
-      text_of(camera.position), text_of(camera.up), look.aspect, camera.field_of_view,
-      text_of(camera.look_at));
+      air, haze * size_of_domain(scene), air, text_of(camera.position), text_of(camera.up), look.aspect,
+      camera.field_of_view, text_of(camera.look_at));
   const ViewAxes axes = view_axes(scene);
   const double distance = far_away * size_of_domain(scene);
   const double width = 2.0 * distance * std::tan(look.sun_width * std::numbers::pi / 360.0);

@@ -73,7 +73,7 @@ void draw_with_povray(const std::filesystem::path& povray, const std::filesystem
   const std::string antialias = samples > 1 ? "+A0.1" : "-A";
   run_to_end({povray.string(), "+I" + scene, "+O" + partial(picture), "+FN8", fmt::format("+W{}", size.width),
               fmt::format("+H{}", size.height), antialias, "+AM1", fmt::format("+R{}", std::max(samples, 1)),
-              "-D", "-P", "-GA", "+GF", fmt::format("+WT{}", threads)},
+              "-D", "-P", "-GA", "+GF", "+THFS", fmt::format("+WT{}", threads)},
              folder, picture + ".log");
   std::filesystem::rename(folder / partial(picture), folder / picture);
 }
