@@ -3,13 +3,17 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <limits>
+#include <optional>
 
 #include "continuum/files/input_error.h"
 #include "continuum/files/provenance.h"
 #include "continuum/parallel.h"
 #include "continuum/program/bench.h"
 #include "continuum/program/run.h"
+#include "continuum/render/export.h"
+#include "continuum/render/render.h"
 
 namespace {
 
@@ -21,7 +25,9 @@ constexpr int most_threads = 1024;
 
 CLI::App* add_run(CLI::App& app, RunOptions& options) {
   auto* command = app.add_subcommand(
-      "run", "Run a scene to its end; writes snapshots.h5 (+ .xdmf), budget.csv (a row a step) and run.json");
+      "run",
+      "Run a scene to its end; writes snapshots.h5 (+ .xdmf), budget.csv (a row a step), run.json, and "
+      "render.h5 (+ .xdmf) if the scene asks for render points");
   command->add_option("scene", options.scene, "scene file (TOML)")->required();
   command->add_option("-o,--output", options.output, "folder for the results, made if need be")->required();
   command
@@ -38,6 +44,74 @@ CLI::App* add_bench(CLI::App& app, BenchOptions& options) {
   command->add_option("--frames", options.frames, "frames to run, of the scene's interval; default: all")
       ->check(CLI::Range(1, std::numeric_limits<int>::max()));
   command->add_option("--json", options.json, "file for the figures, replaced if it is there");
+  return command;
+}
+
+/// Three numbers.
+void add_vector(CLI::App& command, const std::string& name, std::optional<Eigen::Vector3d>& value,
+                const std::string& what) {
+  command
+      .add_option_function<std::array<double, 3>>(
+          name, [&value](const std::array<double, 3>& v) { value = Eigen::Vector3d(v[0], v[1], v[2]); }, what)
+      ->type_name("X Y Z");
+}
+
+/// What `render` and `export` take alike.
+template <class Options>
+void add_drawn(CLI::App& command, Options& options, const std::string& folder) {
+  command.add_option("run", options.run, "folder that a talus run wrote, with render.h5")->required();
+  command.add_option("-o,--output", options.output,
+                     "folder for the results, made if need be; default: RUN/" + folder);
+  command.add_option("--frames", options.frames, "all, or a list like 0,5,10-20,30-last:3; default: all");
+  command.add_option("--colour", options.colours, "a material's colour, as MATERIAL=#RRGGBB; repeatable")
+      ->type_name("TEXT");
+}
+
+CLI::App* add_render(CLI::App& app, RenderOptions& options) {
+  auto* command = app.add_subcommand(
+      "render", "Draw a run's render points by POV-Ray: frame_NNNNNN.png, and with --film a film, by ffmpeg");
+  add_drawn(*command, options, "pictures");
+  command->add_option("--width", options.width, "of the picture, pixels; default 960")
+      ->check(CLI::Range(16, 16384));
+  command->add_option("--height", options.height, "of the picture, pixels; default 540")
+      ->check(CLI::Range(16, 16384));
+  command
+      ->add_option("--samples", options.samples,
+                   "rays along each axis of a pixel that differs from its neighbours; 1: none; default 2")
+      ->check(CLI::Range(1, 9));
+  add_vector(*command, "--camera", options.camera.position,
+             "where from, m; default: so that all the sand is seen");
+  add_vector(*command, "--look-at", options.camera.look_at,
+             "the middle of the picture, m; default: the sand's middle");
+  command
+      ->add_option("--field-of-view", options.camera.field_of_view, "across the picture, degrees; default 35")
+      ->check(CLI::Range(1.0, 150.0));
+  add_vector(*command, "--sun", options.sun,
+             "direction towards the sun; default: left of the viewer, 43 degrees high");
+  command
+      ->add_option("--sun-width", options.sun_width,
+                   "degrees that the sun is wide, which softens shadows; default 4")
+      ->check(CLI::Range(0.0, 60.0));
+  command
+      ->add_option("--point-size", options.point_size,
+                   "of what is drawn for a point, to the size at which sand is just dense; default 1")
+      ->check(CLI::Range(0.01, 100.0));
+  command->add_option("--film", options.film, "name of a film in the output folder, ending in .mp4 or .webm");
+  command->add_option("--pictures-per-second", options.pictures_per_second, "of the film; default 24")
+      ->check(CLI::Range(0.1, 1000.0));
+  command->add_flag("--keep-scenes", options.keep_scenes, "keep frame_NNNNNN.pov, what POV-Ray read");
+  return command;
+}
+
+CLI::App* add_export(CLI::App& app, ExportOptions& options) {
+  auto* command =
+      app.add_subcommand("export", "Write a run's render points as files for other programs, one a frame");
+  add_drawn(*command, options, "export");
+  command
+      ->add_option("--format", options.format,
+                   "ply (Blender, MeshLab, CloudCompare) or vtk (.vtp files, with render.pvd for ParaView)")
+      ->check(CLI::IsMember({"ply", "vtk"}))
+      ->required();
   return command;
 }
 
@@ -64,6 +138,12 @@ int main(int argc, char** argv) {
   int threads = 1;
   auto* run_command = add_run(app, run_options);
   auto* bench_command = add_bench(app, bench_options);
+  RenderOptions render_options;
+  ExportOptions export_options;
+  auto* render_command = add_render(app, render_options);
+  auto* export_command = add_export(app, export_options);
+  render_command->add_option("--threads", render_options.threads, "threads that POV-Ray uses; default 1")
+      ->check(CLI::Range(1, most_threads));
   for (CLI::App* command : {run_command, bench_command}) {
     command
         ->add_option("--threads", threads,
@@ -78,10 +158,10 @@ int main(int argc, char** argv) {
   }
   set_thread_count(threads);
   try {
-    if (*run_command)
-      run(run_options);
-    else
-      bench(bench_options);
+    if (*run_command) run(run_options);
+    if (*bench_command) bench(bench_options);
+    if (*render_command) render(render_options);
+    if (*export_command) export_points(export_options);
     return 0;
   } catch (const InputError& error) {
     fmt::print(stderr, "talus: {}\n", error.what());

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "continuum/files/atomic_file.h"
-#include "dem_cases/process.h"
+#include "continuum/files/process.h"
 #include "tests/test_folder.h"
 
 namespace talus::testing {
@@ -27,13 +27,13 @@ inline ProgramResult run_program(std::vector<std::string> command, double time_l
   if (std::filesystem::exists(built)) command.front() = built.string();
   const TestFolder log_folder;
   const auto log = log_folder.path() / "output";
-  dem::ProcessRequest request;
+  ProcessRequest request;
   request.command = command;
   request.folder = folder.empty() ? std::filesystem::current_path() : folder;
   request.log = log.string();
   request.time_limit = std::chrono::duration<double>(time_limit);
   request.stop = [] { return false; };
-  const auto result = dem::run_process(request);
+  const auto result = run_process(request);
   return {result.exit_code, result.timed_out, read_file(log)};
 }
 

@@ -8,8 +8,8 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
+#include "continuum/files/process.h"
 #include "dem_cases/grain_dump.h"
-#include "dem_cases/process.h"
 #include "dem_cases/reference/folder_lock.h"
 #include "dem_cases/reference/make_run.h"
 #include "dem_cases/reference/plan.h"
@@ -145,7 +145,7 @@ std::vector<SuiteRun> selected(const std::vector<SuiteRun>& runs, const std::vec
 }
 
 std::string input_hash_of(const SuiteRun& run) {
-  const dem::ScratchFolder folder;
+  const ScratchFolder folder;
   return dem::prepare_run(run.run, folder.path() / "input");
 }
 

@@ -9,9 +9,10 @@ set(dirty false)
 if(changes)
   set(dirty true)
 endif()
-# What decides the solver's results: its code, and how snapshots are written. Documents, scenes and other programs do not.
+# What decides the solver's results: its code, and how snapshots are written. Documents, scenes, pictures and other programs do not.
 file(GLOB_RECURSE sources ${SOURCE_DIR}/continuum/*.h ${SOURCE_DIR}/continuum/*.cpp ${SOURCE_DIR}/continuum/CMakeLists.txt
-     ${SOURCE_DIR}/analysis/snapshot*)
+     ${SOURCE_DIR}/analysis/snapshot* ${SOURCE_DIR}/analysis/series_file*)
+list(FILTER sources EXCLUDE REGEX "/continuum/render/")
 list(SORT sources)
 set(all "")
 foreach(source ${sources})

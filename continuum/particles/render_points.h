@@ -1,5 +1,5 @@
 // Render points: what is drawn of the sand (method.md, section 11; section 5.6 of the source). They carry no mass and the
-// simulation never reads them. They are for the renderers to come: no program writes them yet.
+// simulation never reads them. continuum/render writes and draws them.
 //
 // Each particle owns points, sampled uniformly in its ellipsoid, as many as its mass is due: a point stands for the same
 // mass of sand for as long as it lives, so that splits and merges neither thin the picture out nor crowd it. A point is kept

@@ -15,6 +15,8 @@
 #include "continuum/parallel.h"
 #include "continuum/program/frames.h"
 #include "continuum/qp/problem_file.h"
+#include "continuum/render/render_file.h"
+#include "continuum/render/render_frame.h"
 #include "continuum/solids/surface_mesh.h"
 
 namespace talus {
@@ -36,9 +38,31 @@ void warn_of_caps(const State& state, const StepReport& report) {
                report.cap_hits());
 }
 
+/// A frame of everything that a run writes frame by frame.
+class Frames {
+ public:
+  Frames(const std::filesystem::path& output, const RenderPoints& drawn, const std::string& made_by)
+      : snapshots_(output / "snapshots.h5", made_by) {
+    if (drawn.wanted()) pictures_.emplace(output / "render.h5", drawn.per_volume, made_by);
+  }
+  void append(const State& state) {
+    snapshots_.append(snapshot_of(state));
+    if (pictures_) pictures_->append(render_frame_of(state));
+  }
+  void finish() {
+    snapshots_.finish();
+    if (pictures_) pictures_->finish();
+  }
+
+ private:
+  analysis::SnapshotWriter snapshots_;
+  std::optional<RenderWriter> pictures_;
+};
+
 /// Results of an earlier run there must not stand for this one's, should it not finish.
 void clear_old_results(const std::filesystem::path& output) {
-  for (const char* old : {"snapshots.h5", "snapshots.xdmf", "run.json", "budget.csv", "bodies.csv"})
+  for (const char* old : {"snapshots.h5", "snapshots.xdmf", "render.h5", "render.xdmf", "run.json",
+                          "budget.csv", "bodies.csv", "scene.toml"})
     std::filesystem::remove(output / old);
   if (std::filesystem::is_directory(output / "bodies")) {
     for (const auto& surface : std::filesystem::directory_iterator(output / "bodies")) {
@@ -80,6 +104,7 @@ void run(const RunOptions& options) {
   const std::filesystem::path& output = options.output;
   const std::vector<int>& dumped_steps = options.dumped_steps;
   Scene scene = read_scene(options.scene);
+  const std::string scene_text = read_file(options.scene);
   make_writable_folder(output);
   nlohmann::json made_by = provenance();
   made_by["command_line"] = options.command_line;
@@ -90,12 +115,13 @@ void run(const RunOptions& options) {
   warn_if_broken(scene);
 
   clear_old_results(output);
+  write_file_atomically(output / "scene.toml", scene_text);
   State state = initial_state(scene);
   Budget budget(state);
   BodyFiles bodies(output, state);
   GrowingFile steps(output / "budget.csv", Budget::header());
-  analysis::SnapshotWriter snapshots(output / "snapshots.h5", made_by.dump());
-  snapshots.append(snapshot_of(state));
+  Frames frame_files(output, state.render_points, made_by.dump());
+  frame_files.append(state);
   const int frames = frame_count(scene);
   spdlog::info("{} particles, {} x {} x {} cells, {} frames, {} threads", state.particles.count(),
                scene.grid.cells[0], scene.grid.cells[1], scene.grid.cells[2], frames, thread_count());
@@ -113,7 +139,7 @@ void run(const RunOptions& options) {
   };
   for (int frame = 1; frame <= frames; ++frame) {
     run_to_frame(scene, frame, state, take_step);
-    snapshots.append(snapshot_of(state));
+    frame_files.append(state);
     bodies.end_frame(state);
     spdlog::info("frame {}/{} t = {:.4f} s", frame, frames, state.time);
   }
@@ -121,12 +147,16 @@ void run(const RunOptions& options) {
     if (dumped >= steps_done)
       spdlog::warn("no step {} to dump: the run took steps 0 to {}", dumped, steps_done - 1);
   }
-  snapshots.finish();
+  frame_files.finish();
   steps.finish();
   bodies.finish();
-  nlohmann::json summary{{"schema", "talus-run"},     {"schema_version", 1},
-                         {"provenance", made_by},     {"scene", options.scene.filename().string()},
-                         {"simulated_s", state.time}, {"particles", state.particles.count()},
+  nlohmann::json summary{{"schema", "talus-run"},
+                         {"schema_version", 1},
+                         {"provenance", made_by},
+                         {"scene", options.scene.filename().string()},
+                         {"scene_file", std::filesystem::absolute(options.scene).string()},
+                         {"simulated_s", state.time},
+                         {"particles", state.particles.count()},
                          {"budget", budget.summary()}};
   if (!scene.broken.empty()) summary["broken"] = scene.broken;
   write_file_atomically(output / "run.json", summary.dump(2) + "\n");

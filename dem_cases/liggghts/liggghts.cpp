@@ -8,9 +8,9 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
+#include "continuum/files/process.h"
 #include "dem_cases/container.h"
 #include "dem_cases/grain_dump.h"
-#include "dem_cases/process.h"
 #include "dem_cases/time_step.h"
 
 namespace talus::dem::liggghts {

@@ -7,8 +7,8 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
+#include "continuum/files/process.h"
 #include "continuum/files/provenance.h"
-#include "dem_cases/process.h"
 #include "dem_cases/reference/store.h"
 
 namespace talus::dem {

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "continuum/files/atomic_file.h"
+#include "continuum/files/process.h"
 #include "dem_cases/liggghts/liggghts.h"
-#include "dem_cases/process.h"
 #include "dem_cases/shear_cell/liggghts_deck.h"
 #include "dem_cases/shear_cell/measure.h"
 #include "dem_cases/shear_cell/schedule.h"

@@ -9,9 +9,9 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
+#include "continuum/files/process.h"
 #include "dem_cases/container.h"
 #include "dem_cases/grain_dump.h"
-#include "dem_cases/process.h"
 #include "dem_cases/time_step.h"
 #include "dem_cases/yade/rolling.h"
 

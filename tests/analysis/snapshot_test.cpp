@@ -304,7 +304,9 @@ TEST_F(SnapshotFile, XdmfDescribesTheHdf5) {
 
 TEST(Xdmf, EscapesTheFileName) {
   const std::vector<FrameEntry> frames{{0.0, 1}};
-  EXPECT_THAT(xdmf_document("a&b<c>.h5", frames), HasSubstr("a&amp;b&lt;c&gt;.h5:/frame_000000/positions"));
+  const std::vector<SeriesItem> items{{"positions", "", Number::float32, 3}};
+  EXPECT_THAT(xdmf_document("a run", "a&b<c>.h5", items, frames),
+              HasSubstr("a&amp;b&lt;c&gt;.h5:/frame_000000/positions"));
 }
 
 }  // namespace

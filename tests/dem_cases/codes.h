@@ -4,8 +4,8 @@
 #include <functional>
 #include <ostream>
 
+#include "continuum/files/process.h"
 #include "dem_cases/liggghts/liggghts.h"
-#include "dem_cases/process.h"
 #include "dem_cases/yade/yade.h"
 
 namespace talus::dem {

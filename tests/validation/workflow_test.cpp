@@ -82,7 +82,7 @@ class Workplace {
   std::optional<int> run_and(const std::vector<std::string>& how, const std::function<bool()>& when,
                              const std::function<void(pid_t)>& then) const {
     bool done = false;
-    dem::ProcessRequest request;
+    ProcessRequest request;
     request.command = {"sh", "-c", "echo $$ > pid; exec \"$@\"", "sh"};
     const auto workflow_command = command(how);
     request.command.insert(request.command.end(), workflow_command.begin(), workflow_command.end());
@@ -96,7 +96,7 @@ class Workplace {
       }
       return false;
     };
-    const auto result = dem::run_process(request);
+    const auto result = run_process(request);
     return done ? std::optional(result.exit_code) : std::nullopt;
   }
   /// Kills it and its children outright as soon as `when` holds; false when it never did.

@@ -8,9 +8,9 @@
 #include "analysis/snapshot.h"
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
+#include "continuum/files/process.h"
 #include "continuum/files/provenance.h"
 #include "dem_cases/measure.h"
-#include "dem_cases/process.h"
 #include "dem_cases/reference/plan.h"
 
 namespace talus::validation {
@@ -101,7 +101,7 @@ nlohmann::json measure_run(const ContinuumRequest& request, const std::filesyste
 
 const std::string& continuum_version() {
   static const std::string version = [] {
-    std::string text = dem::output_of({talus_program().string(), "--solver"});
+    std::string text = output_of({talus_program().string(), "--solver"});
     text.erase(text.find_last_not_of('\n') + 1);
     return text;
   }();

@@ -8,7 +8,7 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
-#include "dem_cases/process.h"
+#include "continuum/files/process.h"
 #include "validation/report/other_formats.h"
 
 namespace talus {
@@ -27,7 +27,7 @@ fs::path chromium() {
   }
   for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
     try {
-      return dem::find_program(name, "chromium");
+      return find_program(name, "chromium");
     } catch (const InputError&) {
       continue;
     }
@@ -54,9 +54,9 @@ std::string address_of(const fs::path& file) {
 void write_pdf(const fs::path& report_html, const fs::path& pdf_file) {
   if (!fs::is_regular_file(report_html))
     throw InputError(fmt::format("there is no report {}", report_html.string()));
-  const dem::ScratchFolder scratch;
+  const ScratchFolder scratch;
   const fs::path printed = scratch.path() / "report.pdf";
-  dem::ProcessRequest request{
+  ProcessRequest request{
       .command = {chromium().string(), "--headless", "--disable-gpu", "--disable-background-networking",
                   "--disable-component-update", "--disable-sync", "--no-first-run", "--window-size=1200,900",
                   "--virtual-time-budget=10000", "--no-pdf-header-footer",
@@ -70,7 +70,7 @@ void write_pdf(const fs::path& report_html, const fs::path& pdf_file) {
   // Root has no sandbox of its own to put Chromium in; the page forbids itself the network and runs no text as code.
   if (::geteuid() == 0) request.command.push_back("--no-sandbox");
   request.command.push_back(address_of(report_html) + "#all");
-  const auto result = dem::run_process(request);
+  const auto result = run_process(request);
   if (result.timed_out || result.exit_code != 0 || !fs::exists(printed)) {
     const std::string log = read_file(scratch.path() / "chromium.log");
     throw InputError(fmt::format(

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "dem_cases/process.h"
+#include "continuum/files/process.h"
 #include "dem_cases/shear_cell/measure.h"
 #include "tests/dem_cases/shear_cell/shear_cell_files.h"
 

@@ -12,7 +12,7 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
-#include "dem_cases/process.h"
+#include "continuum/files/process.h"
 #include "tests/test_folder.h"
 #include "tests/validation/report/sample_results.h"
 #include "validation/report/report.h"
@@ -171,7 +171,7 @@ TEST(Pdf, HoldsEveryPoint) {
   const auto page = folder.path() / "a report #1 %.html", pdf = folder.path() / "report.pdf";
   write_report(testing::sample_results(), testing::sample_pictures(), page);
   write_pdf(page, pdf);
-  const std::string facts = dem::output_of({"pdfinfo", pdf.string()});
+  const std::string facts = output_of({"pdfinfo", pdf.string()});
   EXPECT_THAT(facts, HasSubstr("A4"));
   int pages = 0;
   const auto at = facts.find("Pages:");
@@ -179,7 +179,7 @@ TEST(Pdf, HoldsEveryPoint) {
   std::istringstream(facts.substr(at + 6)) >> pages;
   EXPECT_GE(pages, 8);
   EXPECT_LE(pages, 20);
-  const std::string text = dem::output_of({"pdftotext", "-layout", pdf.string(), "-"});
+  const std::string text = output_of({"pdftotext", "-layout", pdf.string(), "-"});
   for (const char* words :
        {"Smoke suite: the quick one", "✕ FAIL", "+14.5 %", "Column collapse, a = 1 (TEST DATA, not measured)",
         "Slot, opening 8 d (TEST DATA)", "Heap on a disc (TEST DATA)", "Uncertainty budget", "2023.02a"}) {

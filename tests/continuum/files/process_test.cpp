@@ -1,4 +1,4 @@
-#include "dem_cases/process.h"
+#include "continuum/files/process.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -8,14 +8,17 @@
 #include <fstream>
 #include <thread>
 
-#include "tests/dem_cases/case_files.h"
+#include "continuum/files/atomic_file.h"
+#include "tests/test_folder.h"
 
-namespace talus::dem {
+namespace talus {
 namespace {
 
 using namespace std::chrono_literals;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using testing::input_error;
+using testing::TestFolder;
 
 ProcessRequest shell(const TestFolder& folder, std::string script,
                      std::chrono::duration<double> limit = 20s) {
@@ -129,4 +132,4 @@ TEST(Process, MissingProgramNamesItsPackage) {
 }
 
 }  // namespace
-}  // namespace talus::dem
+}  // namespace talus

@@ -1,4 +1,4 @@
-#include "dem_cases/process.h"
+#include "continuum/files/process.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -19,7 +19,7 @@
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
 
-namespace talus::dem {
+namespace talus {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -165,4 +165,4 @@ std::filesystem::path find_program(const std::string& name, const std::string& d
                                path ? path : "empty", debian_package));
 }
 
-}  // namespace talus::dem
+}  // namespace talus

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace talus::dem {
+namespace talus {
 
 struct ProcessResult {
   int exit_code;  // as the shell tells it: 128 + signal when killed
@@ -50,4 +50,4 @@ class ScratchFolder {
 /// What a short command prints, stdout and stderr together. Throws InputError when it cannot be started.
 std::string output_of(const std::vector<std::string>& command);
 
-}  // namespace talus::dem
+}  // namespace talus
