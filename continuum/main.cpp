@@ -40,7 +40,7 @@ CLI::App* add_run(CLI::App& app, RunOptions& options) {
 CLI::App* add_bench(CLI::App& app, BenchOptions& options) {
   auto* command = app.add_subcommand(
       "bench", "Run a scene without writing it, and tell what it cost: time by phase, iterations, memory");
-  command->add_option("scene", options.scene, "scene file (TOML)")->required();
+  command->add_option("scenes", options.scenes, "scene files (TOML)")->required();
   command->add_option("--frames", options.frames, "frames to run, of the scene's interval; default: all")
       ->check(CLI::Range(1, std::numeric_limits<int>::max()));
   command->add_option("--json", options.json, "file for the figures, replaced if it is there");

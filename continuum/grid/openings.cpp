@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "continuum/grid/active_region.h"
 #include "continuum/grid/stencil.h"
 
 namespace talus {
@@ -144,7 +145,73 @@ struct KernelShares {
   std::vector<char> sampled;  // cells
 };
 
+/// What the samples of a cell give to the kernels around it where all is open: by local_neighbour, and as
+/// CellStencil::faces has them.
+struct OpenPattern {
+  std::array<double, 27> cells{};
+  std::array<std::array<double, 18>, 3> faces{};
+};
+
+OpenPattern make_open_pattern() {
+  const Grid grid{Vector3d::Zero(), 1.0, Vector3i::Constant(5), {false, false, false}};
+  const Vector3i middle = Vector3i::Constant(2);
+  const auto same = [](int dense) { return dense; };
+  OpenPattern pattern;
+  for_each_sample([&](const Vector3d& local) {
+    const Stencil cells = cell_stencil(grid, {middle, local}, same, -1);
+    for (std::size_t k = 0; k < 8; ++k) {
+      const Vector3i offset = grid.cell_of_index(cells.index[k]) - middle;
+      pattern.cells[static_cast<std::size_t>(local_neighbour(offset[0], offset[1], offset[2]))] +=
+          cells.weight[k] * sample_share;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vector3i extent = grid.extent(Grid::nodal_of_face(axis));
+      const Stencil faces = face_stencil(grid, {middle, local}, axis, same);
+      for (std::size_t k = 0; k < 8; ++k) {
+        const int dense = faces.index[k];
+        const Vector3i offset =
+            Vector3i(dense % extent[0], dense / extent[0] % extent[1], dense / (extent[0] * extent[1])) - middle;
+        const int entry = 9 * offset[axis] + 3 * (1 + offset[last_axis(axis)]) + 1 + offset[next_axis(axis)];
+        pattern.faces[static_cast<std::size_t>(axis)][static_cast<std::size_t>(entry)] +=
+            faces.weight[k] * sample_share;
+      }
+    }
+  });
+  return pattern;
+}
+
+/// Whether all cells around a cell lie in the domain and no solid reaches any of them.
+bool is_open_around(const Grid& grid, const Openings& openings, const Vector3i& at) {
+  const double half_sample = 0.5 * grid.spacing / samples_per_axis;
+  if ((at.array() < 1).any() || (at.array() + 1 >= grid.cells.array()).any()) return false;
+  bool open = true;
+  for_each_index(at.array() - 1, at.array() + 3, [&](const Vector3i& corner) {
+    open = open && openings.distance[corner_index(grid, corner)] >= half_sample;
+  });
+  return open;
+}
+
+void add_open_pattern(const Grid& grid, const Vector3i& at, KernelShares& kernels) {
+  static const OpenPattern pattern = make_open_pattern();
+  for_each_index(Vector3i::Constant(-1), Vector3i::Constant(2), [&](const Vector3i& offset) {
+    kernels.cells[grid.cell_index(at + offset)] +=
+        pattern.cells[static_cast<std::size_t>(local_neighbour(offset[0], offset[1], offset[2]))];
+  });
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    for (std::size_t entry = 0; entry < pattern.faces[a].size(); ++entry) {
+      const int e = static_cast<int>(entry);
+      Vector3i face = at;
+      face[axis] += e / 9;
+      face[last_axis(axis)] += e % 9 / 3 - 1;
+      face[next_axis(axis)] += e % 3 - 1;
+      kernels.faces[a][grid.face_index(axis, face)] += pattern.faces[a][entry];
+    }
+  }
+}
+
 void sample_kernels(const Grid& grid, const Openings& openings, const Vector3i& at, KernelShares& kernels) {
+  if (is_open_around(grid, openings, at)) return add_open_pattern(grid, at, kernels);
   const auto cell = [&](int dense) { return openings.cells[dense] > 0.0 ? dense : is_closed; };
   for_each_open_sample(grid, openings, at, [&](const Vector3d& local, double share) {
     const Place place{at, local};

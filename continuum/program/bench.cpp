@@ -40,6 +40,7 @@ struct Tally {
   long cap_hits = 0;
   long retries = 0;
   Eigen::Index particles_start = 0, particles_end = 0;
+  std::int64_t render_points = 0;  // at the end
   double particle_steps = 0.0;  // particles, summed over the steps
   double simulated_s = 0.0, wall_s = 0.0, cpu_s = 0.0;
   double peak_mb = 0.0;
@@ -99,6 +100,7 @@ Tally time_scene(const Scene& scene, int frames) {
   tally.peak_mb = used.peak_mb;
   tally.simulated_s = state.time;
   tally.particles_end = state.particles.count();
+  tally.render_points = state.render_points.count();
   return tally;
 }
 
@@ -111,7 +113,7 @@ nlohmann::json json_of(const Tally& t, const Scene& scene, const std::string& co
   };
   nlohmann::json phases;
   for (std::size_t i = 0; i < phase_names.size(); ++i) phases[std::string(phase_names[i])] = t.phases.of[i];
-  return {
+  nlohmann::json figures{
       {"schema", "talus-bench"},
       {"schema_version", 1},
       {"provenance", made_by},
@@ -136,8 +138,34 @@ nlohmann::json json_of(const Tally& t, const Scene& scene, const std::string& co
       {"cap_hits", t.cap_hits},
       {"retries", t.retries},
       {"peak_mb", t.peak_mb},
+      {"render_points", t.render_points},
+      {"wall_s_per_frame", t.wall_s / t.frames},
       {"phases_s", phases},
   };
+  if (const auto& source = scene.table_5_1) {
+    figures["table_5_1"] = {{"particles", source->particles},
+                            {"render_points", source->render_points},
+                            {"seconds_per_frame", source->seconds_per_frame}};
+  }
+  return figures;
+}
+
+/// A row for each scene: what it holds, what a frame costs, and how that compares with the source's.
+std::string comparison_of(const std::vector<Scene>& scenes, const std::vector<Tally>& tallies) {
+  std::string table =
+      fmt::format("{:<24}{:>10}{:>14}{:>10}{:>8}{:>10}{:>10}{:>9}{:>7}\n", "scene", "particles", "render points",
+                  "s/frame", "frames", "source", "source/us", "MB", "caps");
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const Tally& t = tallies[i];
+    const auto& source = scenes[i].table_5_1;
+    const double per_frame = t.wall_s / t.frames;
+    table += fmt::format("{:<24}{:>10}{:>14}{:>10.3g}{:>8}{:>10}{:>10}{:>9.0f}{:>7}\n",
+                         scenes[i].file.filename().string(), t.particles_end, t.render_points, per_frame, t.frames,
+                         source ? fmt::format("{:.1f}", source->seconds_per_frame) : "",
+                         source ? fmt::format("{:.2f}", source->seconds_per_frame / per_frame) : "", t.peak_mb,
+                         t.cap_hits);
+  }
+  return table;
 }
 
 std::string table_of(const Tally& t, const Scene& scene) {
@@ -167,14 +195,24 @@ std::string table_of(const Tally& t, const Scene& scene) {
 }  // namespace
 
 void bench(const BenchOptions& options) {
-  const Scene scene = read_scene(options.scene);
-  const int frames = frames_to_run(scene, options);
+  std::vector<Scene> scenes;
+  std::vector<Tally> tallies;
+  nlohmann::json all = nlohmann::json::array();
+  for (const auto& file : options.scenes) {
+    scenes.push_back(read_scene(file));
+    frames_to_run(scenes.back(), options);
+  }
   if (options.json) check_place(*options.json);
-  warn_if_broken(scene);
-  const Tally tally = time_scene(scene, frames);
-  fmt::print("{}", table_of(tally, scene));
+  for (const Scene& scene : scenes) {
+    warn_if_broken(scene);
+    tallies.push_back(time_scene(scene, frames_to_run(scene, options)));
+    fmt::print("{}\n", table_of(tallies.back(), scene));
+    std::fflush(stdout);
+    all.push_back(json_of(tallies.back(), scene, options.command_line));
+  }
+  if (scenes.size() > 1) fmt::print("{}", comparison_of(scenes, tallies));
   if (options.json)
-    write_file_atomically(*options.json, json_of(tally, scene, options.command_line).dump(2) + "\n");
+    write_file_atomically(*options.json, (scenes.size() > 1 ? all : all[0]).dump(2) + "\n");
 }
 
 }  // namespace talus

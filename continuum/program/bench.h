@@ -8,17 +8,19 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace talus {
 
 struct BenchOptions {
-  std::filesystem::path scene;
+  std::vector<std::filesystem::path> scenes;
   std::optional<int> frames;                  // from the start; else to the scene's end
   std::optional<std::filesystem::path> json;  // where the figures go, beside the table
   std::string command_line;
 };
 
-/// Runs the scene and prints the table. Throws InputError.
+/// Runs the scenes, one after the other, and prints a table for each, and for several one of all: beside those of the source's
+/// table 5.1, where the scenes hold them. Throws InputError, before any has run.
 void bench(const BenchOptions& options);
 
 }  // namespace talus

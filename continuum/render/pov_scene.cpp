@@ -135,7 +135,13 @@ struct WriteGeometry {
     text.add(" {}", matrix_of(axes, solid.base));
     return true;
   }
+  bool operator()(const Capsule& capsule) const {
+    text.add("sphere_sweep {{ linear_spline 2, {}, {:.9g}, {}, {:.9g}", text_of(capsule.from), capsule.radius,
+             text_of(capsule.to), capsule.radius);
+    return true;
+  }
   bool operator()(const Mesh&) const { return false; }
+  bool operator()(const SampledMesh&) const { return false; }  // of bodies alone, which have a surface
 };
 
 /// Hollow ones are of clear glass that bends no ray; solid ones are left out where the viewer would stand in them.

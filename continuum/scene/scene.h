@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,11 @@ struct Filling {
   std::size_t material;
   Shape shape;
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, at the start
+};
+
+/// What a scene of the source took its authors (table 5.1), to set beside what it takes here.
+struct SourceFigures {
+  double particles, render_points, seconds_per_frame;
 };
 
 struct Scene {
@@ -37,6 +43,7 @@ struct Scene {
   double end_time;                     // s
   double frame_interval;               // s
   StepSettings settings;
+  std::optional<SourceFigures> table_5_1;
   std::string broken;  // the name of a deliberate defect (read_solver.h); empty: sound
 };
 
