@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "continuum/solids/hollow_contact.h"
 #include "continuum/solids/revolved.h"
@@ -140,6 +141,11 @@ void thin_out(std::vector<ContactPoint>& points) {
 
 Vector3d vector_of(const dReal* of) { return {of[0], of[1], of[2]}; }
 
+void keep_best(std::vector<ContactPoint> points, std::vector<ContactPoint>& contacts) {
+  thin_out(points);
+  contacts.insert(contacts.end(), points.begin(), points.end());
+}
+
 void add_contacts(int first, int second, const Geometry& a, const Geometry& b,
                   std::vector<ContactPoint>& contacts) {
   std::array<dContactGeom, most_found> found;
@@ -152,18 +158,41 @@ void add_contacts(int first, int second, const Geometry& a, const Geometry& b,
     if (!(normal.norm() > 0.5)) continue;  // meshes give some without
     points.push_back({first, second, vector_of(contact.pos), normal.normalized(), contact.depth});
   }
-  thin_out(points);
-  contacts.insert(contacts.end(), points.begin(), points.end());
+  keep_best(std::move(points), contacts);
 }
 
-void add_contacts_with_hollow(int first, const Body& body, const Shape& wall,
-                              std::vector<ContactPoint>& contacts) {
+void add_contacts_by_points(int first, const Body& body, const Shape& wall,
+                            std::vector<ContactPoint>& contacts) {
   if (signed_distance(wall, body.pose.position) > outer_radius(body)) return;
   std::vector<ContactPoint> points;
-  for (const SurfaceContact& contact : touch_by_points(body, wall))
-    points.push_back({first, no_body, contact.position, contact.normal, contact.depth});
-  thin_out(points);
-  contacts.insert(contacts.end(), points.begin(), points.end());
+  for (const auto& [position, normal, depth] :
+       touch_by_points(body, [&](const Vector3d& at) { return signed_distance(wall, at); }))
+    points.push_back({first, no_body, position, normal, depth});
+  keep_best(std::move(points), contacts);
+}
+
+bool is_mesh(const Geometry& geometry) { return dGeomGetClass(geometry.geom.get()) == dTriMeshClass; }
+
+/// Of a mesh its own where it is near: samples round its edges, and turn normals beside them.
+double exact_distance(const Body& body, const Vector3d& at) {
+  const double distance = signed_distance(body, at);
+  const auto* const sampled = std::get_if<SampledMesh>(&body.shape.geometry);
+  if (!sampled || distance > sampled->samples->spacing) return distance;
+  return signed_distance(sampled->samples->mesh,
+                         body.pose.orientation.conjugate() * (at - body.pose.position));
+}
+
+/// Points of each in the other: the library's contacts of two meshes do not carry even a cube on a cube.
+void add_contacts_of_meshes(int first, int second, const Body& a, const Body& b,
+                            std::vector<ContactPoint>& contacts) {
+  std::vector<ContactPoint> points;
+  for (const auto& [position, normal, depth] :
+       touch_by_points(a, [&](const Vector3d& at) { return exact_distance(b, at); }))
+    points.push_back({first, second, position, normal, depth});
+  for (const auto& [position, normal, depth] :
+       touch_by_points(b, [&](const Vector3d& at) { return exact_distance(a, at); }))
+    points.push_back({first, second, position, -normal, depth});
+  keep_best(std::move(points), contacts);
 }
 
 bool prescribed(const Body& body) { return std::holds_alternative<Prescribed>(body.motion); }
@@ -230,21 +259,28 @@ std::vector<ContactPoint> ContactFinder::find(std::span<const Body> bodies, doub
     const int first = static_cast<int>(i);
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
       if (prescribed(bodies[i]) && prescribed(bodies[j])) continue;
-      if (boxes[i].intersects(boxes[j]))
-        add_contacts(first, static_cast<int>(j), geometries_->of_body(i, bodies[i]),
-                     geometries_->of_body(j, bodies[j]), contacts);
+      if (!boxes[i].intersects(boxes[j])) continue;
+      const Geometry& a = geometries_->of_body(i, bodies[i]);
+      const Geometry& b = geometries_->of_body(j, bodies[j]);
+      if (is_mesh(a) && is_mesh(b))
+        add_contacts_of_meshes(first, static_cast<int>(j), bodies[i], bodies[j], contacts);
+      else
+        add_contacts(first, static_cast<int>(j), a, b, contacts);
     }
     if (prescribed(bodies[i])) continue;
     for (Geometries::Obstacle& obstacle : geometries_->obstacles) {
       const bool stands =
           obstacle.wall < 0 || surroundings_.walls[static_cast<std::size_t>(obstacle.wall)].stands_at(time);
-      if (stands && boxes[i].intersects(obstacle.box))
+      if (!stands || !boxes[i].intersects(obstacle.box)) continue;
+      if (is_mesh(geometries_->of_body(i, bodies[i])) && is_mesh(Geometries::of_obstacle(obstacle)))
+        add_contacts_by_points(first, bodies[i], obstacle.shape, contacts);
+      else
         add_contacts(first, no_body, geometries_->of_body(i, bodies[i]), Geometries::of_obstacle(obstacle),
                      contacts);
     }
     for (const Wall& wall : surroundings_.walls) {
       if (wall.shape.hollow && wall.stands_at(time))
-        add_contacts_with_hollow(first, bodies[i], wall.shape, contacts);
+        add_contacts_by_points(first, bodies[i], wall.shape, contacts);
     }
   }
   return contacts;

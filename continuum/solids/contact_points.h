@@ -35,8 +35,10 @@ struct ContactPoint {
 ///
 /// Spheres, boxes, capsules and cylinders are exact, and so are planes and the domain's sides. Meshes, cones and profiles touch
 /// as triangles (surface_mesh.h). Where a wall is hollow, points of the body's surface (all a sphere, a capsule's line, a
-/// cylinder's lowest ones, corners and a lattice on boxes, corners of triangles) are held against the wall's own distance: what
-/// of such a wall stands out between them, as the edge of an opening may, is not seen. Bodies do not touch over a periodic seam.
+/// cylinder's lowest ones, corners and a lattice on boxes and triangles) are held against the wall's own distance: what
+/// of such a wall stands out between them, as the edge of an opening may, is not seen. So it is with two of what touches
+/// as triangles: points of each against the other, of the body alone against a wall. Bodies do not
+/// touch over a periodic seam.
 class ContactFinder {
  public:
   ContactFinder(std::span<const Body> bodies, const BodySurroundings& surroundings);

@@ -1,7 +1,7 @@
 #include "continuum/solids/hollow_contact.h"
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "continuum/solids/surface_mesh.h"
@@ -89,29 +89,39 @@ std::vector<Ball> parts_of(const Revolved& body, const Distance& distance) {
   return parts;
 }
 
-std::vector<Ball> corners_of(const std::vector<Triangle>& triangles) {
+/// Corners, and a lattice between them where triangles are large: two flat sides may meet without a corner in either.
+std::vector<Ball> points_of(const std::vector<Triangle>& triangles, double body_size) {
+  constexpr double coarsest = 1.0 / 8.0;  // of the body's size
   std::vector<Ball> parts;
-  for (const Triangle& triangle : triangles) {
-    for (const Vector3d& corner : triangle) parts.push_back({corner, 0.0});
+  for (const Triangle& t : triangles) {
+    const double longest = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
+    const int n = std::max(1, static_cast<int>(std::ceil(longest / (coarsest * body_size))));
+    for (int i = 0; i <= n; ++i) {
+      for (int j = 0; i + j <= n; ++j) {
+        const double u = static_cast<double>(i) / n, v = static_cast<double>(j) / n;
+        parts.push_back({(1.0 - u - v) * t[0] + u * t[1] + v * t[2], 0.0});
+      }
+    }
   }
   return parts;
 }
 
 }  // namespace
 
-std::vector<SurfaceContact> touch_by_points(const Body& body, const Shape& solid) {
+std::vector<SurfaceContact> touch_by_points(const Body& body, const DistanceInSpace& solid) {
   const Eigen::Matrix3d rotation = body.pose.orientation.toRotationMatrix();
   const auto in_space = [&](const Vector3d& at) -> Vector3d { return rotation * at + body.pose.position; };
-  const Distance distance = [&](const Vector3d& at) { return signed_distance(solid, in_space(at)); };
+  const Distance distance = [&](const Vector3d& at) { return solid(in_space(at)); };
+  const double body_size = bounds(body.shape).sizes().maxCoeff();
   const std::vector<Ball> parts = std::visit(
       [&](const auto& geometry) -> std::vector<Ball> {
         if constexpr (requires { parts_of(geometry, distance); })
           return parts_of(geometry, distance);
         else
-          return corners_of(surface_mesh({geometry}));
+          return points_of(surface_mesh({geometry}), body_size);
       },
       body.shape.geometry);
-  const double step = 1e-6 * bounds(body.shape).sizes().maxCoeff();
+  const double step = 1e-6 * body_size;
   std::vector<SurfaceContact> contacts;
   for (const Ball& part : parts) {
     const double depth = part.radius - distance(part.centre);

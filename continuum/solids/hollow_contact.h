@@ -1,7 +1,9 @@
-// Contact of a body with the inside of a hollow wall, by points of the body's surface and the wall's own distance.
+// Contact of a body with what the library's colliders do not do (the inside of a hollow wall, a mesh with a mesh), by points of
+// the body's surface and the other's signed distance.
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "continuum/solids/body.h"
@@ -15,6 +17,9 @@ struct SurfaceContact {
   double depth;              // m
 };
 
-std::vector<SurfaceContact> touch_by_points(const Body& body, const Shape& solid);
+/// From a point in space to the other's surface, m, negative inside.
+using DistanceInSpace = std::function<double(const Eigen::Vector3d&)>;
+
+std::vector<SurfaceContact> touch_by_points(const Body& body, const DistanceInSpace& solid);
 
 }  // namespace talus

@@ -1,6 +1,7 @@
 // The program `talus` as a user meets it: runs, help, and errors with their exit codes.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -41,6 +42,28 @@ TEST(TalusProgram, RunsASceneToSnapshotsAndABudget) {
   EXPECT_EQ(run["particles"], 200);
   EXPECT_TRUE(run["provenance"].contains("git_hash"));
   EXPECT_GT(run["budget"]["friction_iterations"], 0);
+}
+
+TEST(TalusProgram, WritesWhatBodiesDoAndTheirSurfaces) {
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
+  const auto run_of = [&](const std::string& body) {
+    std::ofstream(folder / "scene.toml") << small_scene("0.02") << body;
+    const auto result =
+        run_program({"talus", "run", (folder / "scene.toml").string(), "-o", (folder / "out").string()});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+  };
+  run_of(
+      "[[body]]\nname = 'ball'\nshape = { kind = 'sphere', centre_m = [0.1, 0.005, 0.06], radius_m = 0.005 "
+      "}\n"
+      "density_kg_m3 = 7800.0\nfriction_angle_deg = 20.0\n");
+  const std::string rows = read_file(folder / "out" / "bodies.csv");
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 4);    // names, the start and two frames
+  EXPECT_THAT(rows, HasSubstr("\n0.02,ball,0.1,0.005,0.05"));  // it falls
+  EXPECT_GT(std::filesystem::file_size(folder / "out" / "bodies" / "ball.stl"), 84u);
+  run_of("");
+  EXPECT_FALSE(std::filesystem::exists(folder / "out" / "bodies.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out" / "bodies" / "ball.stl"));
 }
 
 TEST(TalusProgram, SaysLoudlyThatItsSolverIsBrokenOnPurpose) {
@@ -199,7 +222,7 @@ TEST(TalusProgram, KilledHalfWayLeavesNoSnapshotsUnderTheirFinalName) {
   std::ofstream(folder / "scene.toml") << small_scene("1000.0");
   // What an earlier run left must not pass for this one's.
   std::filesystem::create_directories(folder / "out");
-  for (const char* old : {"snapshots.h5", "run.json", "budget.csv"})
+  for (const char* old : {"snapshots.h5", "run.json", "budget.csv", "bodies.csv"})
     std::ofstream(folder / "out" / old) << "old";
   const auto result = run_program(
       {"talus", "run", (folder / "scene.toml").string(), "--output", (folder / "out").string()}, 2.0);
@@ -208,6 +231,7 @@ TEST(TalusProgram, KilledHalfWayLeavesNoSnapshotsUnderTheirFinalName) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out" / "snapshots.h5"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out" / "run.json"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out" / "budget.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out" / "bodies.csv"));
   // What an unfinished run leaves of its budget can be read.
   const std::string start = Budget::header() + "1,";
   EXPECT_EQ(read_file(folder / "out" / "budget.csv.partial").substr(0, start.size()), start);

@@ -288,6 +288,15 @@ TEST(BodyContacts, AStackOfThreeStays) {
   }
 }
 
+TEST(BodyContacts, AMeshRestsOnAMesh) {
+  std::array bodies{body_of({cube_mesh(0.1)}), body_of({cube_mesh(0.1)})};
+  bodies[0].pose.position = {0, 0, 0.1};
+  bodies[1].pose.position = {0.007, 0.004, 0.303};
+  fall(bodies, {grid, floor_only, {}, down}, 0.4);
+  EXPECT_LT((bodies[1].pose.position - Vector3d(0.007, 0.004, 0.3)).norm(), 3e-3);
+  EXPECT_LT(bodies[1].pose.orientation.angularDistance(Eigen::Quaterniond::Identity()), 0.03);
+}
+
 TEST(BodyContacts, AHingedWheelTakesTheBallsAngularMomentum) {
   const Vector3d pivot(0, 0, 1);
   std::array bodies{body_of({Box{{0, 0, 1}, {0.3, 0.1, 0.02}}}, 0.0, 0.5, Hinge{pivot, Vector3d::UnitY()}),
