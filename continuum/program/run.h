@@ -13,7 +13,7 @@ struct RunOptions {
   std::string command_line;
 };
 
-/// Writes snapshots.h5, budget.csv, run.json, a copy of the scene as scene.toml, render.h5 where the scene asks for render
+/// Writes snapshots.h5, budget.csv, run.json, a copy of the scene as run.toml, render.h5 where the scene asks for render
 /// points, and the problems of the dumped steps to `output`. Throws InputError.
 void run(const RunOptions& options);
 
