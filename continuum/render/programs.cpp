@@ -50,7 +50,11 @@ void run_to_end(const std::vector<std::string>& command, const std::filesystem::
                                             .time_limit = time_limit,
                                             .stop = [] { return interrupted != 0; }});
   const auto file = folder / log;
-  if (result.exit_code != 0) std::filesystem::remove(folder / unfinished);
+  if (result.exit_code != 0) {
+    auto state = folder / unfinished;
+    std::filesystem::remove(state);
+    std::filesystem::remove(state.replace_extension(".pov-state"));  // what POV-Ray would go on from
+  }
   if (result.interrupted) {
     std::filesystem::remove(file);
     throw std::runtime_error("interrupted");
