@@ -170,7 +170,8 @@ OpenPattern make_open_pattern() {
       for (std::size_t k = 0; k < 8; ++k) {
         const int dense = faces.index[k];
         const Vector3i offset =
-            Vector3i(dense % extent[0], dense / extent[0] % extent[1], dense / (extent[0] * extent[1])) - middle;
+            Vector3i(dense % extent[0], dense / extent[0] % extent[1], dense / (extent[0] * extent[1])) -
+            middle;
         const int entry = 9 * offset[axis] + 3 * (1 + offset[last_axis(axis)]) + 1 + offset[next_axis(axis)];
         pattern.faces[static_cast<std::size_t>(axis)][static_cast<std::size_t>(entry)] +=
             faces.weight[k] * sample_share;

@@ -41,7 +41,7 @@ struct Tally {
   long retries = 0;
   Eigen::Index particles_start = 0, particles_end = 0;
   std::int64_t render_points = 0;  // at the end
-  double particle_steps = 0.0;  // particles, summed over the steps
+  double particle_steps = 0.0;     // particles, summed over the steps
   double simulated_s = 0.0, wall_s = 0.0, cpu_s = 0.0;
   double peak_mb = 0.0;
   PhaseSeconds phases;
@@ -153,17 +153,17 @@ nlohmann::json json_of(const Tally& t, const Scene& scene, const std::string& co
 /// A row for each scene: what it holds, what a frame costs, and how that compares with the source's.
 std::string comparison_of(const std::vector<Scene>& scenes, const std::vector<Tally>& tallies) {
   std::string table =
-      fmt::format("{:<24}{:>10}{:>14}{:>10}{:>8}{:>10}{:>10}{:>9}{:>7}\n", "scene", "particles", "render points",
-                  "s/frame", "frames", "source", "source/us", "MB", "caps");
+      fmt::format("{:<24}{:>10}{:>14}{:>10}{:>8}{:>10}{:>10}{:>9}{:>7}\n", "scene", "particles",
+                  "render points", "s/frame", "frames", "source", "source/us", "MB", "caps");
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const Tally& t = tallies[i];
     const auto& source = scenes[i].table_5_1;
     const double per_frame = t.wall_s / t.frames;
     table += fmt::format("{:<24}{:>10}{:>14}{:>10.3g}{:>8}{:>10}{:>10}{:>9.0f}{:>7}\n",
-                         scenes[i].file.filename().string(), t.particles_end, t.render_points, per_frame, t.frames,
-                         source ? fmt::format("{:.1f}", source->seconds_per_frame) : "",
-                         source ? fmt::format("{:.2f}", source->seconds_per_frame / per_frame) : "", t.peak_mb,
-                         t.cap_hits);
+                         scenes[i].file.filename().string(), t.particles_end, t.render_points, per_frame,
+                         t.frames, source ? fmt::format("{:.1f}", source->seconds_per_frame) : "",
+                         source ? fmt::format("{:.2f}", source->seconds_per_frame / per_frame) : "",
+                         t.peak_mb, t.cap_hits);
   }
   return table;
 }
@@ -211,8 +211,7 @@ void bench(const BenchOptions& options) {
     all.push_back(json_of(tallies.back(), scene, options.command_line));
   }
   if (scenes.size() > 1) fmt::print("{}", comparison_of(scenes, tallies));
-  if (options.json)
-    write_file_atomically(*options.json, (scenes.size() > 1 ? all : all[0]).dump(2) + "\n");
+  if (options.json) write_file_atomically(*options.json, (scenes.size() > 1 ? all : all[0]).dump(2) + "\n");
 }
 
 }  // namespace talus

@@ -61,8 +61,8 @@ class Frames {
 
 /// Results of an earlier run there must not stand for this one's, should it not finish.
 void clear_old_results(const std::filesystem::path& output) {
-  for (const char* old : {"snapshots.h5", "snapshots.xdmf", "render.h5", "render.xdmf", "run.json",
-                          "budget.csv", "bodies.csv", "scene.toml"})
+  for (const char* old :
+       {"snapshots.h5", "snapshots.xdmf", "render.h5", "render.xdmf", "run.json", "budget.csv", "bodies.csv"})
     std::filesystem::remove(output / old);
   if (std::filesystem::is_directory(output / "bodies")) {
     for (const auto& surface : std::filesystem::directory_iterator(output / "bodies")) {
@@ -115,7 +115,7 @@ void run(const RunOptions& options) {
   warn_if_broken(scene);
 
   clear_old_results(output);
-  write_file_atomically(output / "scene.toml", scene_text);
+  write_file_atomically(output / "run.toml", scene_text);
   State state = initial_state(scene);
   Budget budget(state);
   BodyFiles bodies(output, state);

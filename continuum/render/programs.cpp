@@ -39,8 +39,9 @@ class CatchingInterrupts {
   std::array<void (*)(int), 3> before_;
 };
 
+/// `unfinished`: what it writes, taken away when it fails.
 void run_to_end(const std::vector<std::string>& command, const std::filesystem::path& folder,
-                const std::string& log) {
+                const std::string& log, const std::string& unfinished) {
   const CatchingInterrupts catching;
   const ProcessResult result = run_process({.command = command,
                                             .folder = folder,
@@ -49,6 +50,11 @@ void run_to_end(const std::vector<std::string>& command, const std::filesystem::
                                             .time_limit = time_limit,
                                             .stop = [] { return interrupted != 0; }});
   const auto file = folder / log;
+  if (result.exit_code != 0) {
+    auto state = folder / unfinished;
+    std::filesystem::remove(state);
+    std::filesystem::remove(state.replace_extension(".pov-state"));  // what POV-Ray would go on from
+  }
   if (result.interrupted) {
     std::filesystem::remove(file);
     throw std::runtime_error("interrupted");
@@ -74,7 +80,7 @@ void draw_with_povray(const std::filesystem::path& povray, const std::filesystem
   run_to_end({povray.string(), "+I" + scene, "+O" + partial(picture), "+FN8", fmt::format("+W{}", size.width),
               fmt::format("+H{}", size.height), antialias, "+AM1", fmt::format("+R{}", std::max(samples, 1)),
               "-D", "-P", "-GA", "+GF", "+THFS", fmt::format("+WT{}", threads)},
-             folder, picture + ".log");
+             folder, picture + ".log", partial(picture));
   std::filesystem::rename(folder / partial(picture), folder / picture);
 }
 
@@ -95,7 +101,7 @@ void film_with_ffmpeg(const std::filesystem::path& ffmpeg, const std::filesystem
   else
     command.insert(command.end(), {"-c:v", "libx264", "-crf", "18", "-movflags", "+faststart"});
   command.push_back(partial(film));
-  run_to_end(command, folder, film + ".log");
+  run_to_end(command, folder, film + ".log", partial(film));
   std::filesystem::remove(folder / list_file);
   std::filesystem::rename(folder / partial(film), folder / film);
 }

@@ -42,7 +42,23 @@ void add_vessels(const Scene& scene, Eigen::Matrix3Xd& subject) {
   }
 }
 
-/// What the camera must see: vessels, and sand at five moments of the whole run, whichever of its frames are drawn, so that
+/// Corners of the boxes about the bodies at a time, as far as they lie in the domain.
+void add_bodies(const RunFolder& run, double time, Eigen::Matrix3Xd& subject) {
+  const Eigen::AlignedBox3d domain(run.scene.grid.origin, run.scene.grid.upper());
+  for (const DrawnBody& body : run.bodies) {
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3f& corner : body.surface.corners) box.extend(corner.cast<double>().eval());
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d at =
+          placement_at(body, time) * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+      if (!domain.contains(at)) continue;
+      subject.conservativeResize(3, subject.cols() + 1);
+      subject.col(subject.cols() - 1) = at;
+    }
+  }
+}
+
+/// What the camera must see: vessels, bodies, and sand at five moments of the whole run, whichever of its frames are drawn, so that
 /// pictures drawn now and later are taken from one place. Of many points, some; without any, the corners of the domain.
 Eigen::Matrix3Xd subject_of(const RunFolder& run) {
   constexpr std::size_t moments = 5;
@@ -50,6 +66,7 @@ Eigen::Matrix3Xd subject_of(const RunFolder& run) {
   Eigen::Matrix3Xd subject(3, 0);
   for (std::size_t i = 0; i < moments; ++i) {
     const RenderFrame frame = read_frame(run, i * (run.frame_count() - 1) / (moments - 1));
+    add_bodies(run, frame.time, subject);
     const Eigen::Index stride = frame.positions.cols() / enough + 1, before = subject.cols(),
                        added = (frame.positions.cols() + stride - 1) / stride;
     subject.conservativeResize(3, before + added);
@@ -76,6 +93,14 @@ Look look_of(const RunFolder& run, const RenderOptions& options) {
   return look;
 }
 
+/// Returns how many points there are. They are not in memory while the frame is drawn.
+std::size_t write_frame(const RunFolder& run, std::size_t index, const Look& look,
+                        const std::filesystem::path& scene) {
+  const RenderFrame frame = read_frame(run, index);
+  write_pov_scene(scene, run, frame, look);
+  return frame.count();
+}
+
 }  // namespace
 
 void render(const RenderOptions& options) {
@@ -91,14 +116,15 @@ void render(const RenderOptions& options) {
   for (const std::size_t index : frames) {
     const std::string name = fmt::format("frame_{:06}", index), scene = name + ".pov";
     std::size_t count = 0;
-    {
-      const RenderFrame frame = read_frame(run, index);  // not kept while it is drawn
-      write_pov_scene(output / scene, run, frame, look);
-      count = frame.count();
+    try {
+      count = write_frame(run, index, look, output / scene);
+      draw_with_povray(povray, output, scene, name + ".png", {options.width, options.height}, options.samples,
+                       options.threads);
+    } catch (...) {
+      std::filesystem::remove(output / scene);  // long, and of no use to those who interrupt
+      throw;
     }
     pictures.push_back(name + ".png");
-    draw_with_povray(povray, output, scene, pictures.back(), {options.width, options.height}, options.samples,
-                     options.threads);
     if (!options.keep_scenes) std::filesystem::remove(output / scene);
     spdlog::info("{}: {} points, t = {:.4f} s", (output / pictures.back()).string(), count,
                  run.points.time(index));

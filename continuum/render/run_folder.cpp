@@ -27,7 +27,7 @@ std::filesystem::path scene_file_of(const std::filesystem::path& folder) {
     throw InputError(
         fmt::format("{}: not a summary that this talus run writes: {}", summary.string(), error.what()));
   }
-  return folder / "scene.toml";
+  return folder / "run.toml";
 }
 
 [[noreturn]] void refuse_frames(std::string_view text, std::string_view why) {

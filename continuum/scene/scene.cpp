@@ -287,8 +287,9 @@ Scene read_scene(const std::filesystem::path& file) {
   time.finish();
 
   if (const auto table = root.optional_table("table_5_1")) {
-    scene.table_5_1 = SourceFigures{table->number("particles", positive), table->number("render_points", positive),
-                                    table->number("seconds_per_frame", positive)};
+    scene.table_5_1 =
+        SourceFigures{table->number("particles", positive), table->number("render_points", positive),
+                      table->number("seconds_per_frame", positive)};
     table->finish();
   }
   if (const auto solver = root.optional_table("solver")) scene.broken = read_solver(*solver, scene.settings);

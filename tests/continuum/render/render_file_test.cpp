@@ -143,7 +143,7 @@ TEST(RenderFile, ARunThatAsksForNoneLeavesNone) {
   run_scene(folder.path(), testing::block_scene);
   EXPECT_FALSE(fs::exists(run / "render.h5"));
   EXPECT_FALSE(fs::exists(run / "render.xdmf"));
-  EXPECT_EQ(read_file(run / "scene.toml"), testing::block_scene);
+  EXPECT_EQ(read_file(run / "run.toml"), testing::block_scene);
 }
 
 }  // namespace

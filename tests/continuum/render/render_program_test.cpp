@@ -135,7 +135,7 @@ TEST(TalusRender, TheSunAndColoursAreTheUsersChoice) {
 
 /// A run folder of links, into which a test may put more.
 void link_run(const fs::path& folder) {
-  for (const char* file : {"render.h5", "run.json", "scene.toml"})
+  for (const char* file : {"render.h5", "run.json", "run.toml"})
     fs::create_symlink(finished_run() / file, folder / file);
 }
 
@@ -161,6 +161,33 @@ TEST(TalusRender, DrawsBodiesWhereTheyAre) {
   EXPECT_GT((on_plate(with) - on_plate(without)).norm(), 20.0);
   EXPECT_EQ(colour_at(with, middle, testing::block_upper + 0.01, 0.0),
             colour_at(without, middle, testing::block_upper + 0.01, 0.0));
+}
+
+/// The line of a scene that says where the camera stands, unless it is told.
+std::string default_camera(const fs::path& run) {
+  const TestFolder folder;
+  const auto result =
+      run_program(render_command(run, folder.path(), {"--frames", "0", "--samples", "1", "--keep-scenes"}));
+  EXPECT_EQ(result.exit_code, 0) << result.output;
+  const std::string scene = read_file(folder.path() / "frame_000000.pov");
+  const auto at = scene.find("camera {");
+  return scene.substr(at, scene.find('\n', at) - at);
+}
+
+TEST(TalusRender, TheCameraSeesBodiesToo) {
+  const TestFolder near, far;
+  for (const auto& [folder, place] :
+       {std::pair{&near, "0.05,0.05,0.02"}, std::pair{&far, "0.05,0.05,0.048"}}) {
+    link_run(folder->path());
+    fs::create_directories(folder->path() / "bodies");
+    write_file_atomically(folder->path() / "bodies" / "chip.stl",
+                          "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.001 0 0\n"
+                          "vertex 0 0.001 0\nendloop\nendfacet\nendsolid s\n");
+    write_file_atomically(folder->path() / "bodies.csv",
+                          fmt::format("time_s,body,x_m,y_m,z_m,qw,qx,qy,qz\n0,chip,{},1,0,0,0\n", place));
+  }
+  EXPECT_EQ(default_camera(near.path()), default_camera(finished_run()));  // in the sand
+  EXPECT_NE(default_camera(far.path()), default_camera(finished_run()));   // above it
 }
 
 TEST(TalusRender, DrawsWallsThatStandAndNotThoseThatAreOpen) {
@@ -246,6 +273,10 @@ TEST(TalusRender, SaysWhatARendererThatFailsSaid) {
   const auto result = run_program(command);
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.output, ::testing::AllOf(HasSubstr("exit code 3"), HasSubstr("out of paint")));
+  std::vector<std::string> left;
+  for (const auto& entry : fs::directory_iterator(folder.path() / "pictures"))
+    left.push_back(entry.path().filename().string());
+  EXPECT_THAT(left, ::testing::ElementsAre("frame_000000.png.log"));
 }
 
 nlohmann::json read_back(const fs::path& file) {
