@@ -83,17 +83,36 @@ void measure_faces(const Grid& grid, const CellBox& box, Openings& openings) {
   }
 }
 
-struct CornerRange {
-  double lowest, highest;
-};
-CornerRange corner_range(const Grid& grid, const Openings& openings, const Vector3i& cell) {
-  CornerRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  for_each_index(Vector3i::Zero(), Vector3i::Constant(2), [&](const Vector3i& up) {
-    const double distance = openings.distance[corner_index(grid, cell + up)];
-    range.lowest = std::min(range.lowest, distance);
-    range.highest = std::max(range.highest, distance);
-  });
-  return range;
+/// Distances at a cell's corners, the first axis fastest.
+std::array<double, 8> corner_distances(const Grid& grid, const Openings& openings, const Vector3i& cell) {
+  std::array<double, 8> corners;
+  for (int corner = 0; corner < 8; ++corner)
+    corners[static_cast<std::size_t>(corner)] =
+        openings.distance[corner_index(grid, cell + Vector3i(corner & 1, corner >> 1 & 1, corner >> 2))];
+  return corners;
+}
+
+double interpolated(const std::array<double, 8>& corners, const Vector3d& local) {
+  std::array<double, 4> along_x;
+  for (std::size_t k = 0; k < 4; ++k)
+    along_x[k] = corners[2 * k] + local[0] * (corners[2 * k + 1] - corners[2 * k]);
+  const double lower = along_x[0] + local[1] * (along_x[1] - along_x[0]);
+  const double upper = along_x[2] + local[1] * (along_x[3] - along_x[2]);
+  return lower + local[2] * (upper - lower);
+}
+
+Vector3d interpolated_gradient(const std::array<double, 8>& corners, const Vector3d& local, double spacing) {
+  Vector3d gradient = Vector3d::Zero();
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vector3i up(corner & 1, corner >> 1 & 1, corner >> 2);
+    Vector3d weight;
+    for (int axis = 0; axis < 3; ++axis) weight[axis] = up[axis] ? local[axis] : 1.0 - local[axis];
+    for (int axis = 0; axis < 3; ++axis) {
+      gradient[axis] += (up[axis] ? 1.0 : -1.0) / spacing * weight[next_axis(axis)] *
+                        weight[last_axis(axis)] * corners[static_cast<std::size_t>(corner)];
+    }
+  }
+  return gradient;
 }
 
 constexpr double sample_share = 1.0 / (samples_per_axis * samples_per_axis * samples_per_axis);
@@ -105,21 +124,26 @@ void for_each_sample(Function&& f) {
   });
 }
 
-/// Calls f(local coordinates, how much of the sample's own width is open) for the samples of a cell that are open at all.
+/// Calls f(number of the sample, how much of its own width is open) for the samples of a cell that are open at all.
 template <class Function>
 void for_each_open_sample(const Grid& grid, const Openings& openings, const Vector3i& cell, Function&& f) {
   const double sample_width = grid.spacing / samples_per_axis;
-  const CornerRange corners = corner_range(grid, openings, cell);
-  if (corners.highest <= -0.5 * sample_width) return;
-  const bool clear = corners.lowest >= 0.5 * sample_width;
+  const auto corners = corner_distances(grid, openings, cell);
+  const auto [lowest, highest] = std::minmax_element(corners.begin(), corners.end());
+  if (*highest <= -0.5 * sample_width) return;
+  const bool clear = *lowest >= 0.5 * sample_width;
+  std::size_t sample = 0;
   for_each_sample([&](const Vector3d& local) {
-    if (clear) return f(local, sample_share);
-    const Vector3d position = grid.origin + grid.spacing * (cell.cast<double>() + local);
-    // Where walls meet the interpolant is no distance, but falls off faster than one; its slope tells how much.
-    const auto [distance, gradient] = distance_at(grid, openings, position);
-    const double open = std::clamp(
-        0.5 + distance / (sample_width * std::clamp(gradient.norm(), smallest_opening, 1.0)), 0.0, 1.0);
-    if (open > 0.0) f(local, open * sample_share);
+    const std::size_t number = sample++;
+    if (clear) return f(number, sample_share);
+    const double distance = interpolated(corners, local);
+    double open = distance > 0.0 ? 1.0 : 0.0;
+    if (std::abs(distance) < 0.5 * sample_width) {
+      // Where walls meet the interpolant is no distance, but falls off faster than one; its slope tells how much.
+      const double slope = interpolated_gradient(corners, local, grid.spacing).norm();
+      open = std::clamp(0.5 + distance / (sample_width * std::clamp(slope, smallest_opening, 1.0)), 0.0, 1.0);
+    }
+    if (open > 0.0) f(number, open * sample_share);
   });
 }
 
@@ -133,7 +157,7 @@ void measure_cells(const Grid& grid, const CellBox& box, Openings& openings) {
     }
     // A cell whose faces are all closed is closed.
     if (faces > 0.0)
-      for_each_open_sample(grid, openings, cell, [&](const Vector3d&, double open) { share += open; });
+      for_each_open_sample(grid, openings, cell, [&](std::size_t, double open) { share += open; });
     openings.cells[grid.cell_index(cell)] = share;
   });
 }
@@ -145,90 +169,105 @@ struct KernelShares {
   std::vector<char> sampled;  // cells
 };
 
-/// What the samples of a cell give to the kernels around it where all is open: by local_neighbour, and as
-/// CellStencil::faces has them.
-struct OpenPattern {
+/// Weights on the cells around a cell (by local_neighbour), and on their faces (as CellStencil::faces has them).
+struct LocalWeights {
   std::array<double, 27> cells{};
   std::array<std::array<double, 18>, 3> faces{};
 };
 
-OpenPattern make_open_pattern() {
+/// Where the kernel of each sample puts its weight: entries of LocalWeights, eight of the cells and eight of each axis' faces.
+struct SampleKernel {
+  std::array<int, 8> cells;
+  std::array<double, 8> cell_weights;
+  std::array<std::array<int, 8>, 3> faces;
+  std::array<std::array<double, 8>, 3> face_weights;
+};
+
+std::vector<SampleKernel> make_sample_kernels() {
   const Grid grid{Vector3d::Zero(), 1.0, Vector3i::Constant(5), {false, false, false}};
   const Vector3i middle = Vector3i::Constant(2);
   const auto same = [](int dense) { return dense; };
-  OpenPattern pattern;
+  std::vector<SampleKernel> kernels;
   for_each_sample([&](const Vector3d& local) {
+    SampleKernel kernel;
     const Stencil cells = cell_stencil(grid, {middle, local}, same, -1);
+    kernel.cell_weights = cells.weight;
     for (std::size_t k = 0; k < 8; ++k) {
       const Vector3i offset = grid.cell_of_index(cells.index[k]) - middle;
-      pattern.cells[static_cast<std::size_t>(local_neighbour(offset[0], offset[1], offset[2]))] +=
-          cells.weight[k] * sample_share;
+      kernel.cells[k] = local_neighbour(offset[0], offset[1], offset[2]);
     }
     for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
       const Vector3i extent = grid.extent(Grid::nodal_of_face(axis));
       const Stencil faces = face_stencil(grid, {middle, local}, axis, same);
+      kernel.face_weights[a] = faces.weight;
       for (std::size_t k = 0; k < 8; ++k) {
         const int dense = faces.index[k];
         const Vector3i offset =
             Vector3i(dense % extent[0], dense / extent[0] % extent[1], dense / (extent[0] * extent[1])) -
             middle;
-        const int entry = 9 * offset[axis] + 3 * (1 + offset[last_axis(axis)]) + 1 + offset[next_axis(axis)];
-        pattern.faces[static_cast<std::size_t>(axis)][static_cast<std::size_t>(entry)] +=
-            faces.weight[k] * sample_share;
+        kernel.faces[a][k] =
+            9 * offset[axis] + 3 * (1 + offset[last_axis(axis)]) + 1 + offset[next_axis(axis)];
       }
     }
+    kernels.push_back(kernel);
   });
-  return pattern;
+  return kernels;
 }
 
-/// Whether all cells around a cell lie in the domain and no solid reaches any of them.
-bool is_open_around(const Grid& grid, const Openings& openings, const Vector3i& at) {
-  const double half_sample = 0.5 * grid.spacing / samples_per_axis;
-  if ((at.array() < 1).any() || (at.array() + 1 >= grid.cells.array()).any()) return false;
-  bool open = true;
-  for_each_index(at.array() - 1, at.array() + 3, [&](const Vector3i& corner) {
-    open = open && openings.distance[corner_index(grid, corner)] >= half_sample;
+LocalWeights sampled_weights(const Grid& grid, const Openings& openings, const Vector3i& at) {
+  static const std::vector<SampleKernel> samples = make_sample_kernels();
+  LocalWeights sum;
+  for_each_open_sample(grid, openings, at, [&](std::size_t number, double share) {
+    const SampleKernel& sample = samples[number];
+    for (std::size_t k = 0; k < 8; ++k)
+      sum.cells[static_cast<std::size_t>(sample.cells[k])] += share * sample.cell_weights[k];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t k = 0; k < 8; ++k)
+        sum.faces[axis][static_cast<std::size_t>(sample.faces[axis][k])] +=
+            share * sample.face_weights[axis][k];
+    }
   });
-  return open;
+  return sum;
 }
 
-void add_open_pattern(const Grid& grid, const Vector3i& at, KernelShares& kernels) {
-  static const OpenPattern pattern = make_open_pattern();
+/// Adds what the samples of a cell give to the kernels around it, redirected as grid/stencil.h says.
+void sample_kernels(const Grid& grid, const Openings& openings, const Vector3i& at, KernelShares& kernels) {
+  const LocalWeights weights = sampled_weights(grid, openings, at);
+  const int own = grid.cell_index(at);
   for_each_index(Vector3i::Constant(-1), Vector3i::Constant(2), [&](const Vector3i& offset) {
-    kernels.cells[grid.cell_index(at + offset)] +=
-        pattern.cells[static_cast<std::size_t>(local_neighbour(offset[0], offset[1], offset[2]))];
+    const double weight =
+        weights.cells[static_cast<std::size_t>(local_neighbour(offset[0], offset[1], offset[2]))];
+    if (weight == 0.0) return;
+    Vector3i place;
+    for (int axis = 0; axis < 3; ++axis) place[axis] = kept_inside(grid, axis, at[axis], offset[axis]);
+    const int dense = grid.cell_index(place);
+    if (openings.cells[dense] > 0.0)
+      kernels.cells[dense] += weight;
+    else if (openings.cells[own] > 0.0)
+      kernels.cells[own] += weight;
   });
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    for (std::size_t entry = 0; entry < pattern.faces[a].size(); ++entry) {
-      const int e = static_cast<int>(entry);
-      Vector3i face = at;
-      face[axis] += e / 9;
-      face[last_axis(axis)] += e % 9 / 3 - 1;
-      face[next_axis(axis)] += e % 3 - 1;
-      kernels.faces[a][grid.face_index(axis, face)] += pattern.faces[a][entry];
+    const int b = next_axis(axis), c = last_axis(axis);
+    const auto open_face = [&](const Vector3i& place) {
+      const int dense = grid.face_index(axis, place);
+      return openings.face_share(axis, dense) > 0.0 ? dense : -1;
+    };
+    const std::array<int, 2> own_faces{open_face(at), open_face(at + Vector3i::Unit(axis))};
+    for (int entry = 0; entry < 18; ++entry) {
+      const double weight = weights.faces[a][static_cast<std::size_t>(entry)];
+      if (weight == 0.0) continue;
+      const int side = entry / 9;
+      Vector3i place = at + side * Vector3i::Unit(axis);
+      place[b] = kept_inside(grid, b, at[b], entry % 3 - 1);
+      place[c] = kept_inside(grid, c, at[c], entry % 9 / 3 - 1);
+      int dense = open_face(place);
+      if (dense < 0) dense = own_faces[static_cast<std::size_t>(side)];
+      if (dense < 0) dense = own_faces[static_cast<std::size_t>(1 - side)];
+      if (dense >= 0) kernels.faces[a][dense] += weight;
     }
   }
-}
-
-void sample_kernels(const Grid& grid, const Openings& openings, const Vector3i& at, KernelShares& kernels) {
-  if (is_open_around(grid, openings, at)) return add_open_pattern(grid, at, kernels);
-  const auto cell = [&](int dense) { return openings.cells[dense] > 0.0 ? dense : is_closed; };
-  for_each_open_sample(grid, openings, at, [&](const Vector3d& local, double share) {
-    const Place place{at, local};
-    const Stencil cells = cell_stencil(grid, place, cell, -1);
-    for (std::size_t k = 0; k < 8; ++k) {
-      if (cells.index[k] >= 0) kernels.cells[cells.index[k]] += cells.weight[k] * share;
-    }
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto face = [&](int dense) { return openings.face_share(axis, dense) > 0.0 ? dense : is_closed; };
-      const Stencil faces = face_stencil(grid, place, axis, face);
-      auto& kernel = kernels.faces[static_cast<std::size_t>(axis)];
-      for (std::size_t k = 0; k < 8; ++k) {
-        if (faces.index[k] >= 0) kernel[faces.index[k]] += faces.weight[k] * share;
-      }
-    }
-  });
 }
 
 void measure_kernels(const Grid& grid, std::span<const CellBox> boxes, Openings& openings) {
@@ -332,20 +371,8 @@ double positive_share(const std::array<double, 4>& corners) {
 
 DistanceAndGradient distance_at(const Grid& grid, const Openings& openings, const Vector3d& position) {
   const Place place = place_of(grid, position);
-  DistanceAndGradient found{0.0, Vector3d::Zero()};
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vector3i up(corner & 1, corner >> 1 & 1, corner >> 2);
-    const Vector3d weight =
-        up.cast<double>().cwiseProduct(place.local) +
-        (1.0 - up.cast<double>().array()).matrix().cwiseProduct((1.0 - place.local.array()).matrix());
-    const double value = openings.distance[corner_index(grid, place.cell + up)];
-    found.distance += weight.prod() * value;
-    for (int axis = 0; axis < 3; ++axis) {
-      found.gradient[axis] +=
-          (up[axis] ? 1.0 : -1.0) / grid.spacing * weight[next_axis(axis)] * weight[last_axis(axis)] * value;
-    }
-  }
-  return found;
+  const auto corners = corner_distances(grid, openings, place.cell);
+  return {interpolated(corners, place.local), interpolated_gradient(corners, place.local, grid.spacing)};
 }
 
 Openings make_openings(const Grid& grid, const WallDistanceFunction& walls) {

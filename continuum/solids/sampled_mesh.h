@@ -2,7 +2,8 @@
 //
 // d is computed once at the nodes of a lattice of spacing s about the mesh and is trilinear between them. The distance changes
 // no faster than one moves, so the error is below sqrt(3)/2 s everywhere; off the medial axis of a surface of curvature radius
-// R it is of order s^2 / R, and beside edges up to some 0.4 s: sharp ones come out rounded. Beyond the lattice it is the mesh's own.
+// R it is of order s^2 / R, and beside edges up to some 0.4 s: sharp ones come out rounded. Beyond the lattice it is
+// the way to the lattice and the distance from there: no less than the mesh's own, and positive.
 #pragma once
 
 #include <Eigen/Core>
