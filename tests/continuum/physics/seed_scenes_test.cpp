@@ -68,18 +68,19 @@ TEST(SeedScenes, ExplosionDispersesSandAndThrowsBodies) {
   for (const Body& body : state.bodies) highest.push_back(body.pose.position[2]);
   const std::vector<double> at_rest = highest;
   double most = 0.0;
-  const int caps = run_to(scene, state, 0.5, [&](const State& now, const StepReport&) {
+  const int caps = run_to(scene, state, 0.3, [&](const State& now, const StepReport&) {
     most = std::max(most, dispersed_share(now));
     for (std::size_t b = 0; b < highest.size(); ++b)
       highest[b] = std::max(highest[b], now.bodies[b].pose.position[2]);
   });
-  fmt::print("[ measured ] dispersed: {:.3f} of the sand before, {:.3f} at most after; {} solves at their cap\n", before,
-             most, caps);
+  fmt::print(
+      "[ measured ] dispersed: {:.3f} of the sand before, {:.3f} at most after; {} solves at their cap\n",
+      before, most, caps);
   for (std::size_t b = 0; b < highest.size(); ++b) {
     fmt::print("[ measured ] {} rose by {:.3f} m\n", state.bodies[b].name, highest[b] - at_rest[b]);
     EXPECT_GT(highest[b] - at_rest[b], 0.02) << state.bodies[b].name;
   }
-  EXPECT_GT(most, before + 0.05);
+  EXPECT_GT(most, 2.0 * before);
 }
 
 /// Rates (kg/s) at which sand leaves the upper bulb while it holds from 75 to 60 % of its mass, and from 45 to 30 %.
@@ -126,8 +127,8 @@ TEST(SeedScenes, HeavySpheresAreCarriedAndLightOnesRoll) {
     const Body& ball = body_named(state, name);
     const double speed = ball.twist.velocity[0], surface = 0.08 * ball.twist.angular_velocity[1];
     const double way = ball.pose.position[0] - body_named(initial_state(scene), name).pose.position[0];
-    fmt::print("[ measured ] {}: came {:.3f} m; v {:.3f} m/s, omega R {:.3f} m/s; at the start 1 and 0\n", name, way,
-               speed, surface);
+    fmt::print("[ measured ] {}: came {:.3f} m; v {:.3f} m/s, omega R {:.3f} m/s; at the start 1 and 0\n",
+               name, way, speed, surface);
     EXPECT_GT(way, 0.08) << name;
     EXPECT_GT(surface, 0.0) << name;
     EXPECT_LT(std::abs(speed - surface), 0.1) << name;
@@ -152,7 +153,7 @@ TEST(SeedScenes, PaddleWheelsTurn) {
   const Scene scene = without_render_points(small_scene("paddles"));
   State state = initial_state(scene);
   std::vector<double> turned(3, 0.0);
-  run_to(scene, state, 1.5, [&](const State& now, const StepReport& report) {
+  run_to(scene, state, 0.9, [&](const State& now, const StepReport& report) {
     for (std::size_t b = 0; b < 3; ++b) turned[b] += report.dt * now.bodies[b].twist.angular_velocity[1];
   });
   for (std::size_t b = 0; b < 3; ++b) {
@@ -182,8 +183,8 @@ TEST(SeedScenes, MaterialsSpreadByTheirFrictionAndPushByTheirDensity) {
     fmt::print("[ measured ] {}: mean x {:.3f} m, spread along y {:.3f} m, mean height {:.3f} m\n",
                scene.materials[m].name, along[m], spread[m], height[m]);
   }
-  EXPECT_LT(height[2], height[1]);
-  EXPECT_LT(height[1], height[0]);
+  EXPECT_LT(spread[0], spread[1]);
+  EXPECT_LT(spread[1], spread[2]);
   // The dense one, in the gap beside it, pushes the one in between further than that pushes back.
   EXPECT_GT(along[1] - 0.6, 0.0);
 }
@@ -205,39 +206,44 @@ TEST(SeedScenes, ColumnCollapsesToAConeThatRests) {
   EXPECT_LT(speed, 0.15);
 }
 
-/// By how much what was thrown up goes further in some directions than in others: the largest of the amplitudes of two and four
-/// periods around the axis, in the mean radius of particles that are higher than the bed, over that mean radius.
+/// By how much what is thrown up goes further in some directions than in others: the larger of the amplitudes of two and four
+/// periods around the axis in the mean distance from it, over that distance; of particles that rise by more than 0.1 m/s
+/// outside the sphere's radius, 0.02 s after the start. Chance alone gives sqrt(2 / particles).
 struct Splash {
-  double anisotropy, share;  // share: of the bed's mass that is above it
+  double anisotropy;
+  int particles;
 };
 Splash splash(Scheme scheme) {
   Scene scene = without_render_points(small_scene("splash"));
   scene.settings.scheme = scheme;
   State state = initial_state(scene);
-  while (state.time < 0.06) step(state, scene.settings, 0.06 - state.time);
+  run_to(scene, state, 0.02);
   double mass = 0.0, radius = 0.0;
+  int particles = 0;
   std::array<std::complex<double>, 2> wave{};
   for (Eigen::Index p = 0; p < state.particles.count(); ++p) {
     const Vector3d x = state.particles.positions.col(p) - Vector3d(0.1, 0.1, 0.0);
-    if (x[2] < 0.0886) continue;
     const double m = state.particles.masses[p], r = std::hypot(x[0], x[1]), angle = std::atan2(x[1], x[0]);
+    if (state.particles.velocities(2, p) < 0.1 || r < 0.013 || x[2] < 0.07) continue;
     mass += m;
     radius += m * r;
+    ++particles;
     for (std::size_t k = 0; k < 2; ++k)
       wave[k] += 2.0 * m * r * std::polar(1.0, (k == 0 ? 2.0 : 4.0) * angle);
   }
-  return {std::max(std::abs(wave[0]), std::abs(wave[1])) / radius, mass / state.particles.masses.sum()};
+  return {std::max(std::abs(wave[0]), std::abs(wave[1])) / radius, particles};
 }
 
 // "Some anisotropy visible in the splash is due to the linearization of the friction constraint (5.15)": ours has the cone.
-TEST(SeedScenes, SplashIsRound) {
+TEST(SeedScenes, SplashIsRoundWithTheConeAndSquareWithTheBox) {
   const Splash cone = splash(Scheme::consistent), box = splash(Scheme::paper);
   fmt::print(
-      "[ measured ] splash: anisotropy {:.3f} with the cone ({:.3f} of the sand in it), {:.3f} with the "
-      "source's box ({:.3f})\n",
-      cone.anisotropy, cone.share, box.anisotropy, box.share);
+      "[ measured ] splash: anisotropy {:.3f} with the cone ({} particles), {:.3f} with the source's box "
+      "({})\n",
+      cone.anisotropy, cone.particles, box.anisotropy, box.particles);
+  EXPECT_GT(cone.particles, 500);
   EXPECT_LT(cone.anisotropy, 0.05);
-  EXPECT_GT(cone.share, 1e-3);
+  EXPECT_GT(box.anisotropy, 0.15);
 }
 
 }  // namespace
