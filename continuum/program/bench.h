@@ -1,7 +1,8 @@
 // `talus bench`: what a scene costs to run, and where the time goes. Nothing but that is written.
 //
 // Times are those of the time loop alone, without reading the scene and making its particles: cpu_s is the process's user and
-// system time, which all its threads add to, wall_s and the seconds of the phases are by the clock on the wall.
+// system time, which all its threads add to, wall_s and the seconds of the phases are by the clock on the wall. Peak memory is
+// the process's: of several scenes, the most that any needed so far.
 #pragma once
 
 #include <filesystem>

@@ -18,7 +18,8 @@
 namespace talus {
 namespace {
 
-constexpr const char* header = "time_s,body,x_m,y_m,z_m,qw,qx,qy,qz";
+constexpr std::string_view header = "time_s,body,x_m,y_m,z_m,qw,qx,qy,qz";  // more may follow
+constexpr std::size_t columns_read = 9;
 constexpr double unit_tolerance = 1e-4;  // of a quaternion's length: rows may be rounded
 constexpr double time_tolerance = 1e-9;  // s
 
@@ -32,7 +33,7 @@ Row read_row(const std::string& place, const std::string& line) {
   std::vector<std::string> cells;
   std::istringstream in(line);
   for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-  if (cells.size() != 9) throw InputError(fmt::format("{}: must hold {}", place, header));
+  if (cells.size() < columns_read) throw InputError(fmt::format("{}: must hold {}", place, header));
   const auto number = [&](std::size_t column) {
     const std::string& text = cells[column];
     double value = 0.0;
@@ -81,7 +82,7 @@ std::vector<DrawnBody> read_bodies(const std::filesystem::path& run_folder) {
   std::istringstream lines(read_file(file));
   std::string line;
   std::getline(lines, line);
-  if (line != header) throw InputError(fmt::format("{}:1: must be {}", file.string(), header));
+  if (!line.starts_with(header)) throw InputError(fmt::format("{}:1: must be {}", file.string(), header));
   std::map<std::string, std::vector<DrawnBody::Moment>> moments;
   for (int number = 2; std::getline(lines, line); ++number) {
     const std::string place = fmt::format("{}:{}", file.string(), number);

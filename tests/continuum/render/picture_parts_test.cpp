@@ -93,7 +93,7 @@ TEST(Camera, StandsWhereItIsTold) {
   EXPECT_THAT(input_error([&] { camera_for(scene, subject, 1.0, wish); }), HasSubstr("same place"));
 }
 
-const std::string header = "time_s,body,x_m,y_m,z_m,qw,qx,qy,qz\n";
+const std::string header = "time_s,body,x_m,y_m,z_m,qw,qx,qy,qz,vx_m_s\n";
 
 /// A triangle, as a file of one.
 void write_triangle(const std::filesystem::path& file) {
@@ -108,7 +108,7 @@ TEST(Bodies, AreWhereTheirLatestRowSays) {
   EXPECT_TRUE(read_bodies(folder.path()).empty());
   write_file_atomically(folder.path() / "bodies.csv",
                         header +
-                            "0,ball,1,2,3,1,0,0,0\n0.1,ball,1,2,2.5,0.70710678,0,0,0.70710678\n"
+                            "0,ball,1,2,3,1,0,0,0,5\n0.1,ball,1,2,2.5,0.70710678,0,0,0.70710678,5\n"
                             "0.05,axle,0,0,0,1,0,0,0\n");
   EXPECT_THAT(input_error([&] { read_bodies(folder.path()); }), HasSubstr("axle.stl"));
   for (const char* name : {"ball", "axle"})

@@ -163,6 +163,16 @@ TEST(TalusRender, DrawsBodiesWhereTheyAre) {
             colour_at(without, middle, testing::block_upper + 0.01, 0.0));
 }
 
+TEST(TalusRender, DrawsTheBodiesOfARun) {
+  const TestFolder folder;
+  const std::string body =
+      "[[body]]\nname = \"crate\"\ndensity_kg_m3 = 500.0\nrough = true\n"
+      "shape = { kind = \"box\", lower_m = [0.002, 0.04, 0.0], upper_m = [0.018, 0.06, 0.02] }\n";
+  const auto run = run_scene(folder.path(), testing::with_points + body);
+  const auto on_top = [](const fs::path& of) { return colour_at(seen_from_above(of), 0.01, middle, 0.02); };
+  EXPECT_GT((on_top(run) - on_top(finished_run())).norm(), 20.0);
+}
+
 /// The line of a scene that says where the camera stands, unless it is told.
 std::string default_camera(const fs::path& run) {
   const TestFolder folder;
