@@ -26,8 +26,9 @@ constexpr int most_threads = 1024;
 CLI::App* add_run(CLI::App& app, RunOptions& options) {
   auto* command = app.add_subcommand(
       "run",
-      "Run a scene to its end; writes snapshots.h5 (+ .xdmf), budget.csv (a row a step), run.json, and "
-      "render.h5 (+ .xdmf) if the scene asks for render points");
+      "Run a scene to its end; writes snapshots.h5 (+ .xdmf), budget.csv (a row a step) and run.json; "
+      "render.h5 (+ .xdmf) if the scene asks for render points; bodies.csv and bodies/NAME.stl if it has "
+      "bodies");
   command->add_option("scene", options.scene, "scene file (TOML)")->required();
   command->add_option("-o,--output", options.output, "folder for the results, made if need be")->required();
   command
