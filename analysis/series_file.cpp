@@ -181,7 +181,35 @@ void SeriesFile::append(double time, std::size_t count, std::span<const void* co
   frames_.push_back({time, count});
 }
 
-void SeriesFile::finish() {
+void SeriesFile::append_all_of(const std::filesystem::path& whole) {
+  if (!hdf5_) throw snapshot_error(path_, "append after finish: the file is closed");
+  translating_errors(whole, "cannot be read as a part of a series", [&] {
+    const H5::H5File part(whole.string(), H5F_ACC_RDONLY);
+    std::string format;
+    part.openAttribute("format").read(text_type(), format);
+    int complete = 0, frames = 0;
+    part.openAttribute("complete").read(H5::PredType::NATIVE_INT, &complete);
+    part.openAttribute("frames").read(H5::PredType::NATIVE_INT, &frames);
+    if (format != format_.format || complete != 1) throw snapshot_error(whole, "not a part of this series");
+    reserve_room(partial(path_), hdf5_->getFileSize() + part.getFileSize() + bookkeeping);
+    for (int frame = 0; frame < frames; ++frame) {
+      const std::string name = frame_name(static_cast<std::size_t>(frame));
+      const H5::Group group = part.openGroup(name);
+      FrameEntry entry{};
+      group.openAttribute("time").read(H5::PredType::NATIVE_DOUBLE, &entry.time);
+      std::array<hsize_t, 2> shape{0, 0};
+      group.openDataSet(format_.items.front().dataset).getSpace().getSimpleExtentDims(shape.data());
+      entry.count = static_cast<std::size_t>(shape[0]);
+      if (H5Ocopy(part.getId(), name.c_str(), hdf5_->getId(), frame_name(frames_.size()).c_str(), H5P_DEFAULT,
+                  H5P_DEFAULT) < 0)
+        throw snapshot_error(path_, fmt::format("cannot take over frame {} of {}", frame, whole.string()));
+      frames_.push_back(entry);
+    }
+  });
+}
+
+/// With all that says that it is whole, and on the disk.
+void SeriesFile::close_whole() {
   if (!hdf5_) throw snapshot_error(path_, "finish after finish: the file is closed");
   translating_errors(path_, "cannot finish", [&] {
     const int frames = static_cast<int>(frames_.size());
@@ -192,12 +220,21 @@ void SeriesFile::finish() {
     close();
   });
   give_back_room(partial(path_));
+  flush_to_disk(partial(path_));
+}
+
+void SeriesFile::finish_as(const std::filesystem::path& part) {
+  close_whole();
+  put_in_place(partial(path_), part);
+}
+
+void SeriesFile::finish() {
+  close_whole();
   const auto xdmf = xdmf_file(path_);
   std::ofstream out(partial(xdmf), std::ios::binary);
   out << xdmf_document(format_.name, path_.filename().string(), format_.items, frames_);
   out.close();
   if (!out) throw snapshot_error(xdmf, "cannot write");
-  flush_to_disk(partial(path_));
   flush_to_disk(partial(xdmf));
   // The numbers last: where they stand, their description stands as well.
   put_in_place(partial(xdmf), xdmf);

@@ -42,8 +42,12 @@ class SeriesFile {
   void write_attribute(const char* name, double value);
   /// `data`: for each item of the format, its numbers row by row.
   void append(double time, std::size_t count, std::span<const void* const> data);
+  /// Takes over, as they are, all frames of a whole file of the same format.
+  void append_all_of(const std::filesystem::path& whole);
   /// Closes the file, flushes it to the disk, and puts it and its XDMF in place.
   void finish();
+  /// The same under another name in place of its own, and without XDMF: for a part of a series.
+  void finish_as(const std::filesystem::path& part);
 
   const std::filesystem::path& path() const { return path_; }
   std::span<const FrameEntry> frames() const { return frames_; }
@@ -51,6 +55,7 @@ class SeriesFile {
  private:
   std::uint64_t bytes_of_item() const;
   void close();
+  void close_whole();
 
   std::filesystem::path path_;
   SeriesFormat format_;

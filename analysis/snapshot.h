@@ -54,6 +54,10 @@ class SnapshotWriter {
   void append(const Snapshot& snapshot);
   /// Closes the file, flushes it to the disk, and puts it and its XDMF in place. Throws SnapshotError.
   void finish();
+  /// A long series in parts: finish_as puts what there is so far under a name of its own, without XDMF, and append_all_of takes
+  /// over all frames of such a part, as they are. Throws SnapshotError.
+  void finish_as(const std::filesystem::path& part);
+  void append_all_of(const std::filesystem::path& part);
 
  private:
   struct File;

@@ -34,6 +34,8 @@ void SnapshotWriter::append(const Snapshot& snapshot) {
 }
 
 void SnapshotWriter::finish() { file_->series.finish(); }
+void SnapshotWriter::finish_as(const std::filesystem::path& part) { file_->series.finish_as(part); }
+void SnapshotWriter::append_all_of(const std::filesystem::path& part) { file_->series.append_all_of(part); }
 
 void write_snapshots(const std::filesystem::path& file, const SnapshotSeries& series,
                      std::string_view made_by) {

@@ -23,6 +23,22 @@ constexpr int exit_input = 2;
 constexpr int exit_failed = 1;
 constexpr int most_threads = 1024;
 
+/// What `run` and `resume` take alike.
+template <class Options>
+void add_steps(CLI::App& command, Options& options, const std::string& folder) {
+  command
+      .add_option(
+          "--dump-qp", options.dumped_steps,
+          "step, from 0, whose quadratic programs are written to " + folder + "/qp/step_NNNNNN; repeatable")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option(
+          "--checkpoint-every", options.checkpoint_every,
+          "seconds between checkpoints, by the clock on the wall, for talus resume; default: one when "
+          "SIGINT or SIGTERM stops the run, and none else")
+      ->check(CLI::NonNegativeNumber);
+}
+
 CLI::App* add_run(CLI::App& app, RunOptions& options) {
   auto* command = app.add_subcommand(
       "run",
@@ -31,10 +47,28 @@ CLI::App* add_run(CLI::App& app, RunOptions& options) {
       "bodies");
   command->add_option("scene", options.scene, "scene file (TOML)")->required();
   command->add_option("-o,--output", options.output, "folder for the results, made if need be")->required();
-  command
-      ->add_option("--dump-qp", options.dumped_steps,
-                   "step, from 0, whose quadratic programs are written to OUTPUT/qp/step_NNNNNN; repeatable")
-      ->check(CLI::NonNegativeNumber);
+  add_steps(*command, options, "OUTPUT");
+  command->add_flag("--discard", options.discard,
+                    "start anew, though OUTPUT holds the checkpoint of an unfinished run");
+  return command;
+}
+
+CLI::App* add_resume(CLI::App& app, ResumeOptions& options) {
+  auto* command = app.add_subcommand("resume",
+                                     "Go on with an unfinished run from its newest checkpoint; its results "
+                                     "are those of a run without a stop");
+  command->add_option("folder", options.folder, "folder of the run")->required();
+  add_steps(*command, options, "FOLDER");
+  command->add_flag("--other-solver", options.other_solver,
+                    "go on though another version of this program began it");
+  return command;
+}
+
+CLI::App* add_digest(CLI::App& app, std::filesystem::path& folder) {
+  auto* command = app.add_subcommand("digest",
+                                     "Print the SHA-256 of the final state of a run, to the last bit; of an "
+                                     "unfinished one, of its checkpoint");
+  command->add_option("folder", folder, "folder of the run")->required();
   return command;
 }
 
@@ -133,11 +167,15 @@ int main(int argc, char** argv) {
       ->trigger_on_parse();
   app.require_subcommand(1);
   RunOptions run_options;
+  ResumeOptions resume_options;
   BenchOptions bench_options;
-  run_options.command_line = bench_options.command_line =
+  run_options.command_line = resume_options.command_line = bench_options.command_line =
       fmt::format("{}", fmt::join(argv, argv + argc, " "));
   int threads = 1;
   auto* run_command = add_run(app, run_options);
+  auto* resume_command = add_resume(app, resume_options);
+  std::filesystem::path digest_folder;
+  auto* digest_command = add_digest(app, digest_folder);
   auto* bench_command = add_bench(app, bench_options);
   RenderOptions render_options;
   ExportOptions export_options;
@@ -145,7 +183,7 @@ int main(int argc, char** argv) {
   auto* export_command = add_export(app, export_options);
   render_command->add_option("--threads", render_options.threads, "threads that POV-Ray uses; default 1")
       ->check(CLI::Range(1, most_threads));
-  for (CLI::App* command : {run_command, bench_command}) {
+  for (CLI::App* command : {run_command, resume_command, bench_command}) {
     command
         ->add_option("--threads", threads,
                      "threads to use, no more than there are idle processors, for they spin while they wait; "
@@ -159,7 +197,9 @@ int main(int argc, char** argv) {
   }
   set_thread_count(threads);
   try {
-    if (*run_command) run(run_options);
+    if (*run_command) return run(run_options);
+    if (*resume_command) return resume(resume_options);
+    if (*digest_command) fmt::print("{}\n", digest(digest_folder));
     if (*bench_command) bench(bench_options);
     if (*render_command) render(render_options);
     if (*export_command) export_points(export_options);

@@ -143,6 +143,7 @@ struct Flow {
   std::vector<Twist> accelerated;  // by gravity and torques alone
   std::vector<Twist> pushed;       // by the sand: what it changes
   std::vector<BodyImpulse> on_bodies;
+  ProjectionReport projection;
 };
 
 /// The bodies' twists before the sand acts: by gravity, and by contacts as these would be were the sand to push as it last did.
@@ -160,7 +161,7 @@ std::vector<Twist> twists_without_sand(const State& state, std::span<const Twist
 
 Flow flow_of(State& state, const StepSettings& settings, const ActiveRegion& region, const GridState& before,
              double dt, Stopwatch& watch, StepReport& report) {
-  Flow flow{before.velocity, initial_stress(state, settings.scheme, region, dt), {}, {}, {}, {}, {}};
+  Flow flow{before.velocity, initial_stress(state, settings.scheme, region, dt), {}, {}, {}, {}, {}, {}};
   std::vector<Twist> without_sand;
   if (!state.bodies.empty()) {
     flow.bodies = BodyCoupling(region, state.bodies);
@@ -177,10 +178,8 @@ Flow flow_of(State& state, const StepSettings& settings, const ActiveRegion& reg
   report.projection += projection;
   report.seconds += projection.seconds;
   report.seconds[Phase::stress_other] += watch.lap() - projection.seconds.total();
-  if (!flow.velocity.isFinite().all()) {
-    throw NumericalError(
-        fmt::format("a face velocity is not finite at t = {:.6g} s, dt = {:.3g} s", state.time, dt));
-  }
+  flow.projection = projection;
+  require_finite(region, flow.velocity, state.time, dt);
   if (!flow.speeds.isFinite().all()) {
     throw NumericalError(
         fmt::format("a body's velocity is not finite at t = {:.6g} s, dt = {:.3g} s", state.time, dt));
@@ -192,6 +191,20 @@ Flow flow_of(State& state, const StepSettings& settings, const ActiveRegion& reg
         impulses_on_bodies(region, state.bodies, pressure_of(flow.stress), friction_of(flow.stress, region));
   }
   return flow;
+}
+
+/// Whether a solve has ended at its cap far from its tolerance (most_stagnations). Counts it, and throws where that was the last try.
+bool stagnated(const State& state, const ProjectionReport& projection, double dt, StepReport& report) {
+  if (projection.cap_hits == 0) return false;
+  const double off = std::max(projection.friction_residual, projection.pressure_residual);
+  const double allowed = velocity_scale(state, dt) + 0.01 * state.particles.velocities.cwiseAbs().maxCoeff();
+  if (off <= allowed) return false;
+  if (report.stagnations++ < most_stagnations) return true;
+  throw NumericalError(fmt::format(
+      "the solves of friction and pressure have stagnated at t = {:.6g} s: at their iteration cap they are "
+      "off by "
+      "{:.3g} m/s, {:.3g} m/s being allowed, and no less with {} shorter time steps, the last of {:.3g} s",
+      state.time, off, allowed, most_stagnations, dt));
 }
 
 /// What the next step starts from.
@@ -341,6 +354,9 @@ void add_bodies(State& state, std::vector<Body> bodies) {
 StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   Stopwatch watch;
   StepReport report;
+  require_sound(state.grid, state.particles, state.time);
+  require_sound(state.bodies, state.time);
+  if (state.warm) require_finite(state.warm->region, state.warm->stress, state.time);
   dt_limit = std::min(dt_limit, next_event(state) - state.time);
   report.dt = state.particles.count() > 0 ? time_step(state, settings, dt_limit) : dt_limit;
   report.seconds[Phase::other] += watch.lap();
@@ -367,7 +383,7 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
     return bodies || moves_further(now.region, now.points, flow.velocity, report.dt, state.particles,
                                    largest_allowed_move);
   };
-  while (too_far()) {
+  while (stagnated(state, flow.projection, report.dt, report) || too_far()) {
     report.seconds[Phase::move] += watch.lap();
     ++report.retries;
     report.dt *= 0.5;

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
+#include "continuum/faults.h"
 #include "continuum/grid/active_region.h"
 #include "continuum/particles/collide.h"
 #include "continuum/particles/move.h"
@@ -76,6 +76,10 @@ struct StepSettings {
 /// The most a particle may move along an axis in a step, in cells.
 inline constexpr double largest_allowed_move = 0.5;
 
+/// A step whose solves end at their iteration cap, off by more than gravity gives in the step and 1/100 of the fastest
+/// particle's speed, has stagnated: it is taken once more with half the time, at most so many times.
+inline constexpr int most_stagnations = 4;
+
 /// What a step did, for budgets.
 struct StepReport {
   double dt = 0.0;
@@ -88,6 +92,7 @@ struct StepReport {
   std::vector<BodyImpulse> on_bodies;  // by the sand, N s and N m s
   double largest_move = 0.0;           // in cells
   int retries = 0;                     // with half the time step, since a particle would have moved too far
+  int stagnations = 0;                 // and since the solves had stagnated
   Eigen::Index particles_left = 0;     // left the domain through an open side
   double mass_left = 0.0;              // kg
   double mass_added = 0.0;             // kg, by sources
@@ -97,15 +102,11 @@ struct StepReport {
 };
 
 /// Advances by one time step of at most `dt_limit` seconds; gates open, explosions go off, and sources send their next layer,
-/// at the end of a step. Render points follow, and change nothing else. Throws NumericalError when a velocity is not finite; the state may
-/// then be looked at, but is not one to step on from: particles are where the density correction put them, and of
-/// warm->region only what take_tables leaves is there. Throws std::invalid_argument, before anything has changed, when the
+/// at the end of a step. Render points follow, and change nothing else. Throws NumericalError when the state is not sound
+/// (faults.h), and nothing has changed then; and when a velocity is not finite or the solves stagnate: the state may then be looked
+/// at, but is not one to step on from: particles are where the density correction put them, and of warm->region only what take_tables
+/// leaves is there. Throws std::invalid_argument, before anything has changed, when the
 /// render points are not those of the particles.
 StepReport step(State& state, const StepSettings& settings, double dt_limit);
-
-class NumericalError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 }  // namespace talus

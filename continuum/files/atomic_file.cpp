@@ -54,9 +54,39 @@ GrowingFile::GrowingFile(std::filesystem::path file, std::string_view content)
   append(content);
 }
 
+GrowingFile::GrowingFile(std::filesystem::path file, std::int64_t bytes)
+    : file_(std::move(file)), temporary_(file_) {
+  temporary_ += ".partial";
+  std::error_code why;
+  if (!std::filesystem::exists(temporary_) && std::filesystem::exists(file_))
+    std::filesystem::rename(file_, temporary_, why);  // it was killed just after this file was whole
+  const auto there = std::filesystem::file_size(temporary_, why);
+  if (why || there < static_cast<std::uintmax_t>(bytes)) {
+    throw InputError(fmt::format("{}: {} bytes of an unfinished run should be here{}", temporary_.string(),
+                                 bytes, why ? "" : fmt::format(", and {} are", there)));
+  }
+  std::filesystem::resize_file(temporary_, static_cast<std::uintmax_t>(bytes), why);
+  if (why) throw InputError(fmt::format("{}: cannot be cut: {}", temporary_.string(), why.message()));
+  out_.open(temporary_, std::ios::binary | std::ios::app);
+  append("");
+}
+
 void GrowingFile::append(std::string_view content) {
   out_ << content << std::flush;
   if (!out_) fail(file_, "cannot write");
+}
+
+std::int64_t GrowingFile::save() {
+  append("");
+  const int descriptor = ::open(temporary_.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) fail(file_, "cannot flush to disk");
+  const bool flushed = ::fsync(descriptor) == 0;
+  const int why = errno;
+  const off_t size = ::lseek(descriptor, 0, SEEK_END);
+  ::close(descriptor);
+  errno = why;
+  if (!flushed) fail(file_, "cannot flush to disk");
+  return size;
 }
 
 void GrowingFile::finish() {

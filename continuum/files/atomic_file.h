@@ -1,6 +1,7 @@
 // Files that are either whole or not there: written beside their place, flushed to the disk, then renamed.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
@@ -15,9 +16,13 @@ void write_file_atomically(const std::filesystem::path& file, std::string_view c
 /// unfinished run leaves can be read.
 class GrowingFile {
  public:
-  /// Starts with `content`. All three throw InputError when the text cannot be written.
+  /// Starts with `content`. All of it throws InputError when the text cannot be written.
   GrowingFile(std::filesystem::path file, std::string_view content);
+  /// Goes on with what an unfinished run left, cut to its first `bytes`, at least 1. Throws InputError when there are not so many.
+  GrowingFile(std::filesystem::path file, std::int64_t bytes);
   void append(std::string_view content);
+  /// Flushes all so far to the disk; returns how many bytes that are.
+  std::int64_t save();
   void finish();
 
  private:

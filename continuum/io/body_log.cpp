@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "continuum/io/archive.h"
+
 namespace talus {
 
 void BodyLog::add(const StepReport& report) {
@@ -11,6 +13,28 @@ void BodyLog::add(const StepReport& report) {
     impulses_[b].linear += report.on_bodies[b].linear;
     impulses_[b].angular += report.on_bodies[b].angular;
   }
+}
+
+nlohmann::json BodyLog::fields() const {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> rows(6, std::ssize(impulses_));
+  for (Eigen::Index b = 0; b < rows.cols(); ++b) {
+    const BodyImpulse& impulse = impulses_[static_cast<std::size_t>(b)];
+    rows.col(b) << impulse.linear, impulse.angular;
+  }
+  ArchiveWriter archive;
+  archive.number("duration", duration_);
+  archive.list("impulses", rows);
+  return archive.fields();
+}
+
+void BodyLog::restore(const nlohmann::json& fields, const std::string& where) {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> rows;
+  ArchiveReader archive(fields, where);
+  archive.number("duration", duration_);
+  archive.list("impulses", rows);
+  impulses_.clear();
+  for (Eigen::Index b = 0; b < rows.cols(); ++b)
+    impulses_.push_back({rows.col(b).head<3>(), rows.col(b).tail<3>()});
 }
 
 std::string BodyLog::header() {

@@ -1,6 +1,7 @@
 // Where bodies are, how they move and what the sand does to them, as comma-separated values: a row for each body and frame.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,10 @@ class BodyLog {
   static std::string header();
   /// Starts the means anew.
   std::string rows(const State& state);
+
+  /// What the means are made of so far, as fields of an archive (archive.h), and back. Throws InputError that names `where`.
+  nlohmann::json fields() const;
+  void restore(const nlohmann::json& fields, const std::string& where);
 
  private:
   double duration_ = 0.0;  // s

@@ -5,6 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "continuum/io/archive.h"
+
 namespace talus {
 
 Budget::Moment Budget::moment_of(const State& state) {
@@ -54,11 +56,51 @@ void Budget::add(const State& state, const StepReport& report) {
   merge_energy_lost_ += report.reshape.merge.energy_lost;
   splits_put_off_ += report.reshape.split.put_off + report.reshape.split.unfinished;
   shapes_not_finite_ += report.deform.not_finite;
+  stagnations_ += report.stagnations;
   peak_fill_ = std::max(peak_fill_, report.packing.peak_fill);
   shortest_step_ = std::min(shortest_step_, report.dt);
   longest_step_ = std::max(longest_step_, report.dt);
   largest_move_ = std::max(largest_move_, report.largest_move);
   deepest_collision_ = std::max(deepest_collision_, report.collisions.deepest);
+  bulk_volume_ = report.packing.bulk_volume;
+}
+
+template <class Archive, class Of>
+void Budget::describe(Archive& archive, Of& budget) {
+  archive.number("initial_mass", budget.initial_mass_);
+  archive.number("initial_energy", budget.initial_energy_);
+  archive.number("mass_added", budget.mass_added_);
+  archive.number("mass_left", budget.mass_left_);
+  archive.number("particles_left", budget.particles_left_);
+  archive.number("highest_energy", budget.highest_energy_);
+  archive.number("steps", budget.steps_);
+  archive.number("friction_iterations", budget.friction_iterations_);
+  archive.number("pressure_iterations", budget.pressure_iterations_);
+  archive.number("packing_iterations", budget.packing_iterations_);
+  archive.number("cap_hits", budget.cap_hits_);
+  archive.number("splits", budget.splits_);
+  archive.number("merges", budget.merges_);
+  archive.number("merge_energy_lost", budget.merge_energy_lost_);
+  archive.number("splits_put_off", budget.splits_put_off_);
+  archive.number("shapes_not_finite", budget.shapes_not_finite_);
+  archive.number("stagnations", budget.stagnations_);
+  archive.number("peak_fill", budget.peak_fill_);
+  archive.number("shortest_step", budget.shortest_step_);
+  archive.number("longest_step", budget.longest_step_);
+  archive.number("largest_move", budget.largest_move_);
+  archive.number("deepest_collision", budget.deepest_collision_);
+  archive.number("bulk_volume", budget.bulk_volume_);
+}
+
+nlohmann::json Budget::fields() const {
+  ArchiveWriter archive;
+  describe(archive, *this);
+  return archive.fields();
+}
+
+Budget::Budget(const nlohmann::json& fields, const std::string& where, const State& state) : Budget(state) {
+  ArchiveReader archive(fields, where);
+  describe(archive, *this);
 }
 
 std::string Budget::header() {
@@ -98,7 +140,7 @@ nlohmann::json Budget::summary() const {
       {"particles_left", particles_left_},
       {"energy_start_j", initial_energy_},
       {"energy_highest_j", highest_energy_},
-      {"bulk_volume_m3", last_.packing.bulk_volume},
+      {"bulk_volume_m3", bulk_volume_},
       {"peak_fill", peak_fill_},
       {"largest_move_cells", largest_move_},
       {"deepest_collision_m", deepest_collision_},
@@ -111,6 +153,7 @@ nlohmann::json Budget::summary() const {
       {"pressure_iterations", pressure_iterations_},
       {"packing_iterations", packing_iterations_},
       {"cap_hits", cap_hits_},
+      {"stagnations", stagnations_},
       {"converged", cap_hits_ == 0},
   };
 }

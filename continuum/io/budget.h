@@ -26,7 +26,15 @@ class Budget {
   /// All figures of the run by name, with units in the names.
   nlohmann::json summary() const;
 
+  /// What has been added up, as fields of an archive (archive.h), and back: `state` is the one that they were added up to. Throws
+  /// InputError that names `where` when they are not those of a budget.
+  nlohmann::json fields() const;
+  Budget(const nlohmann::json& fields, const std::string& where, const State& state);
+
  private:
+  template <class Archive, class Of>
+  static void describe(Archive& archive, Of& budget);
+
   double initial_mass_;    // kg
   double initial_energy_;  // J
   double mass_added_ = 0.0;
@@ -43,11 +51,13 @@ class Budget {
   double merge_energy_lost_ = 0.0;  // J
   long splits_put_off_ = 0;         // once a step and particle
   long shapes_not_finite_ = 0;
+  long stagnations_ = 0;
   double peak_fill_ = 0.0;
   double shortest_step_;            // s
   double longest_step_ = 0.0;       // s
   double largest_move_ = 0.0;       // cells
   double deepest_collision_ = 0.0;  // m
+  double bulk_volume_ = 0.0;        // m^3, of the last step
 
   /// What the last row tells of the particles.
   struct Moment {

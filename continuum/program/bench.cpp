@@ -92,6 +92,7 @@ Tally time_scene(const Scene& scene, int frames) {
     run_to_frame(scene, frame, state, [&](double dt_limit) {
       const Eigen::Index particles = state.particles.count();
       tally.add(step(state, scene.settings, dt_limit), particles);
+      return true;
     });
   }
   tally.wall_s = watch.lap();

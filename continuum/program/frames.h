@@ -26,13 +26,17 @@ inline int frame_count(const Scene& scene) {
   return static_cast<int>(std::ceil(scene.end_time / scene.frame_interval - 1e-9));
 }
 
-/// Calls take_step(dt_limit), which advances `state` by at most so many seconds, until `frame` (from 1) ends.
+/// Calls take_step(dt_limit), which advances `state` by at most so many seconds, until `frame` (from 1) ends, or until it returns
+/// false: then run_to_frame does.
 template <class TakeStep>
-void run_to_frame(const Scene& scene, int frame, State& state, const TakeStep& take_step) {
+bool run_to_frame(const Scene& scene, int frame, State& state, const TakeStep& take_step) {
   const double frame_end = std::min(frame * scene.frame_interval, scene.end_time);
-  while (frame_end - state.time > 1e-9 * scene.frame_interval) take_step(frame_end - state.time);
+  while (frame_end - state.time > 1e-9 * scene.frame_interval) {
+    if (!take_step(frame_end - state.time)) return false;
+  }
   // A step that ended at an event just behind the frame's end stays there: going back would meet the event again.
   state.time = std::max(state.time, frame_end);
+  return true;
 }
 
 }  // namespace talus

@@ -1,166 +1,282 @@
 #include "continuum/program/run.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
-#include <optional>
 
-#include "analysis/snapshot.h"
 #include "continuum/files/atomic_file.h"
+#include "continuum/files/input_error.h"
 #include "continuum/files/provenance.h"
-#include "continuum/io/body_log.h"
 #include "continuum/io/budget.h"
-#include "continuum/io/stl.h"
+#include "continuum/io/checkpoint.h"
+#include "continuum/io/state_archive.h"
 #include "continuum/parallel.h"
 #include "continuum/program/frames.h"
+#include "continuum/program/run_files.h"
+#include "continuum/program/stop_signals.h"
 #include "continuum/qp/problem_file.h"
-#include "continuum/render/render_file.h"
-#include "continuum/render/render_frame.h"
-#include "continuum/solids/surface_mesh.h"
 
 namespace talus {
 namespace {
 
-analysis::Snapshot snapshot_of(const State& state) {
-  analysis::Snapshot snapshot{state.time, state.particles.positions, state.particles.velocities, {}};
-  snapshot.volumes.resize(state.particles.count());
-  for (Eigen::Index p = 0; p < state.particles.count(); ++p) {
-    const auto material = static_cast<std::size_t>(state.particles.materials[static_cast<std::size_t>(p)]);
-    snapshot.volumes[p] = state.particles.masses[p] / state.materials[material].grain_density;
-  }
-  return snapshot;
-}
+using Path = std::filesystem::path;
+using Clock = std::chrono::steady_clock;
+
+constexpr int steps_to_fault =
+    16;  // at most so many lie between the state that output/fault has and the fault
 
 void warn_of_caps(const State& state, const StepReport& report) {
+  if (report.stagnations > 0)
+    spdlog::warn("t = {:.4f} s: the solves stagnated; the step was taken again, {} times, with half the time",
+                 state.time, report.stagnations);
   if (report.cap_hits() == 0) return;
   spdlog::warn("t = {:.4f} s: {} solves stopped at their iteration cap, not converged", state.time,
                report.cap_hits());
 }
 
-/// A frame of everything that a run writes frame by frame.
-class Frames {
- public:
-  Frames(const std::filesystem::path& output, const RenderPoints& drawn, const std::string& made_by)
-      : snapshots_(output / "snapshots.h5", made_by) {
-    if (drawn.wanted()) pictures_.emplace(output / "render.h5", drawn.per_volume, made_by);
+/// The scene that a run is of: where it was read, unless it has changed there, else the copy in the run's folder.
+Path scene_file_of(const Path& folder, const RunIdentity& identity) {
+  const Path copy = folder / "run.toml";
+  for (const Path& file : {Path(identity.scene_file), copy}) {
+    if (std::filesystem::is_regular_file(file) && sha256(read_file(file)) == identity.input_hash) return file;
   }
-  void append(const State& state) {
-    snapshots_.append(snapshot_of(state));
-    if (pictures_) pictures_->append(render_frame_of(state));
-  }
-  void finish() {
-    snapshots_.finish();
-    if (pictures_) pictures_->finish();
-  }
-
- private:
-  analysis::SnapshotWriter snapshots_;
-  std::optional<RenderWriter> pictures_;
-};
-
-/// Results of an earlier run there must not stand for this one's, should it not finish.
-void clear_old_results(const std::filesystem::path& output) {
-  for (const char* old :
-       {"snapshots.h5", "snapshots.xdmf", "render.h5", "render.xdmf", "run.json", "budget.csv", "bodies.csv"})
-    std::filesystem::remove(output / old);
-  if (std::filesystem::is_directory(output / "bodies")) {
-    for (const auto& surface : std::filesystem::directory_iterator(output / "bodies")) {
-      if (surface.path().extension() == ".stl") std::filesystem::remove(surface.path());
-    }
-  }
-  if (!std::filesystem::is_directory(output / "qp")) return;
-  for (const auto& step : std::filesystem::directory_iterator(output / "qp")) {
-    if (step.path().filename().string().starts_with("step_")) std::filesystem::remove_all(step.path());
-  }
+  throw InputError(fmt::format("{}: not the scene that the unfinished run is of", copy.string()));
 }
 
-/// Where there are bodies: their surfaces, and a row for each in every frame.
-class BodyFiles {
+RunIdentity identity_of(const Scene& scene, const std::string& command_line) {
+  return {std::filesystem::absolute(scene.file).string(), scene.input_hash, solver_line(), command_line};
+}
+
+/// A run at work.
+struct Running {
+  Path output;
+  Scene scene;
+  RunIdentity identity;
+  nlohmann::json made_by;
+  std::vector<int> dumped_steps;
+  std::optional<double> checkpoint_every;
+  State state;
+  Budget budget;
+  BodyLog body_log;
+  RunProgress progress;
+};
+
+nlohmann::json made_by(const Scene& scene, const RunIdentity& identity) {
+  nlohmann::json made = provenance();
+  made["command_line"] = identity.command_line;
+  made["input_hash"] = identity.input_hash;
+  made["solver"] = identity.solver;
+  made["threads"] = thread_count();
+  if (!scene.broken.empty()) made["broken"] = scene.broken;
+  return made;
+}
+
+void save(Running& run, RunFiles& files) {
+  const int steps = run.progress.steps;
+  run.progress = files.save();
+  run.progress.steps = steps;
+  write_checkpoint(run.output,
+                   make_checkpoint(run.identity, run.progress, run.state, run.budget, run.body_log));
+}
+
+/// Lays down the state from which the step that failed can be tried again.
+Path keep_fault(const Running& run, Checkpoint before) {
+  const Path folder = run.output / "fault";
+  make_writable_folder(folder);
+  write_file_atomically(folder / "run.toml", read_file(run.output / "run.toml"));
+  before.progress.parts = 0;  // nothing of what has been written belongs to it
+  before.progress.budget_bytes = before.progress.bodies_bytes = 0;
+  remove_checkpoints(folder);
+  write_checkpoint(folder, before);
+  return folder;
+}
+
+/// Steps until the end, or until a signal; returns the signal, or 0.
+class Stepper {
  public:
-  BodyFiles(const std::filesystem::path& output, const State& state) {
-    if (state.bodies.empty()) return;
-    std::filesystem::create_directories(output / "bodies");
-    for (const Body& body : state.bodies)
-      write_file_atomically(output / "bodies" / (body.name + ".stl"), binary_stl(surface_mesh(body.shape)));
-    rows_.emplace(output / "bodies.csv", BodyLog::header() + log_.rows(state));
-  }
-  void add(const StepReport& report) { log_.add(report); }
-  void end_frame(const State& state) {
-    if (rows_) rows_->append(log_.rows(state));
-  }
-  void finish() {
-    if (rows_) rows_->finish();
+  Stepper(Running& run, RunFiles& files) : run_(run), files_(files), saved_(Clock::now()) {}
+
+  /// False after a signal.
+  bool take_step(double dt_limit) {
+    if (run_.progress.steps % steps_to_fault == 0 || !before_.has_value())
+      before_ = make_checkpoint(run_.identity, run_.progress, run_.state, run_.budget, run_.body_log);
+    const StepReport report = step_or_fault(dt_limit);
+    ++run_.progress.steps;
+    run_.budget.add(run_.state, report);
+    run_.body_log.add(report);
+    files_.add_step(run_.budget.row());
+    warn_of_caps(run_.state, report);
+    if (StopSignals::received() != 0) return false;
+    const double since = std::chrono::duration<double>(Clock::now() - saved_).count();
+    if (run_.checkpoint_every && since >= *run_.checkpoint_every) {
+      save(run_, files_);
+      saved_ = Clock::now();
+    }
+    return true;
   }
 
  private:
-  BodyLog log_;
-  std::optional<GrowingFile> rows_;
+  StepReport step_or_fault(double dt_limit) {
+    const auto& dumped = run_.dumped_steps;
+    const bool record = std::find(dumped.begin(), dumped.end(), run_.progress.steps) != dumped.end();
+    run_.scene.settings.projection.record =
+        record ? record_step(run_.output, run_.progress.steps, run_.made_by.dump()) : ProblemRecorder{};
+    try {
+      return step(run_.state, run_.scene.settings, dt_limit);
+    } catch (const NumericalError& error) {
+      const int steps_before = run_.progress.steps - before_->progress.steps;
+      const Path folder = keep_fault(run_, *before_);
+      throw NumericalError(fmt::format(
+          "step {}: {}. The state {} steps before is in {}; to try again: talus resume {} --dump-qp {}",
+          run_.progress.steps, error.what(), steps_before, folder.string(), folder.string(),
+          run_.progress.steps));
+    }
+  }
+
+  Running& run_;
+  RunFiles& files_;
+  Clock::time_point saved_;
+  std::optional<Checkpoint> before_;
 };
+
+void write_summary(const Running& run) {
+  nlohmann::json summary{{"schema", "talus-run"},
+                         {"schema_version", 1},
+                         {"provenance", run.made_by},
+                         {"scene", run.scene.file.filename().string()},
+                         {"scene_file", run.identity.scene_file},
+                         {"simulated_s", run.state.time},
+                         {"particles", run.state.particles.count()},
+                         {"state_digest", digest_of(run.state)},
+                         {"budget", run.budget.summary()}};
+  if (!run.scene.broken.empty()) summary["broken"] = run.scene.broken;
+  write_file_atomically(run.output / "run.json", summary.dump(2) + "\n");
+  spdlog::info("budget: {}", run.budget.summary().dump());
+}
+
+/// From where the run is to its end.
+int carry_on(Running& run) {
+  const StopSignals signals;
+  warn_if_broken(run.scene);
+  RunFiles files(run.output, run.state, run.made_by.dump(), run.progress);
+  Stepper stepper(run, files);
+  const int frames = frame_count(run.scene);
+  const auto add_frame = [&] {
+    files.add_frame(run.state, run.body_log.rows(run.state));
+    ++run.progress.frames;
+  };
+  if (run.progress.frames == 0) add_frame();
+  spdlog::info("{} particles, {} x {} x {} cells, {} frames, {} threads", run.state.particles.count(),
+               run.scene.grid.cells[0], run.scene.grid.cells[1], run.scene.grid.cells[2], frames,
+               thread_count());
+  while (run.progress.frames <= frames) {
+    const int frame = run.progress.frames;
+    if (!run_to_frame(run.scene, frame, run.state, [&](double dt) { return stepper.take_step(dt); })) {
+      save(run, files);
+      spdlog::info("stopped at t = {:.6g} s, after step {}; to go on: talus resume {}", run.state.time,
+                   run.progress.steps - 1, run.output.string());
+      return 128 + StopSignals::received();
+    }
+    add_frame();
+    spdlog::info("frame {}/{} t = {:.4f} s", frame, frames, run.state.time);
+  }
+  for (const int dumped : run.dumped_steps) {
+    if (dumped >= run.progress.steps)
+      spdlog::warn("no step {} to dump: the run took steps 0 to {}", dumped, run.progress.steps - 1);
+  }
+  files.finish();
+  write_summary(run);
+  remove_checkpoints(run.output);
+  remove_parts(run.output);
+  return 0;
+}
+
+bool finished(const Path& folder) { return std::filesystem::exists(folder / "run.json"); }
 
 }  // namespace
 
-void run(const RunOptions& options) {
-  const std::filesystem::path& output = options.output;
-  const std::vector<int>& dumped_steps = options.dumped_steps;
-  Scene scene = read_scene(options.scene);
+int run(const RunOptions& options) {
+  const Scene scene = read_scene(options.scene);
   const std::string scene_text = read_file(options.scene);
-  make_writable_folder(output);
-  nlohmann::json made_by = provenance();
-  made_by["command_line"] = options.command_line;
-  made_by["input_hash"] = scene.input_hash;
-  made_by["threads"] = thread_count();
-
-  if (!scene.broken.empty()) made_by["broken"] = scene.broken;
-  warn_if_broken(scene);
-
-  clear_old_results(output);
-  write_file_atomically(output / "run.toml", scene_text);
+  make_writable_folder(options.output);
+  if (has_checkpoint(options.output) && !finished(options.output) && !options.discard) {
+    throw InputError(fmt::format(
+        "{0}: holds the checkpoint of an unfinished run; go on with it by talus resume {0}, or give "
+        "--discard to start anew without it",
+        options.output.string()));
+  }
+  clear_old_results(options.output);
+  write_file_atomically(options.output / "run.toml", scene_text);
+  const RunIdentity identity = identity_of(scene, options.command_line);
   State state = initial_state(scene);
   Budget budget(state);
-  BodyFiles bodies(output, state);
-  GrowingFile steps(output / "budget.csv", Budget::header());
-  Frames frame_files(output, state.render_points, made_by.dump());
-  frame_files.append(state);
-  const int frames = frame_count(scene);
-  spdlog::info("{} particles, {} x {} x {} cells, {} frames, {} threads", state.particles.count(),
-               scene.grid.cells[0], scene.grid.cells[1], scene.grid.cells[2], frames, thread_count());
-  int steps_done = 0;
-  const auto take_step = [&](double dt_limit) {
-    const bool dumped = std::find(dumped_steps.begin(), dumped_steps.end(), steps_done) != dumped_steps.end();
-    scene.settings.projection.record =
-        dumped ? record_step(output, steps_done, made_by.dump()) : ProblemRecorder{};
-    const StepReport report = step(state, scene.settings, dt_limit);
-    ++steps_done;
-    budget.add(state, report);
-    bodies.add(report);
-    steps.append(budget.row());
-    warn_of_caps(state, report);
-  };
-  for (int frame = 1; frame <= frames; ++frame) {
-    run_to_frame(scene, frame, state, take_step);
-    frame_files.append(state);
-    bodies.end_frame(state);
-    spdlog::info("frame {}/{} t = {:.4f} s", frame, frames, state.time);
+  Running running{options.output,
+                  scene,
+                  identity,
+                  made_by(scene, identity),
+                  options.dumped_steps,
+                  options.checkpoint_every,
+                  std::move(state),
+                  budget,
+                  {},
+                  {}};
+  return carry_on(running);
+}
+
+int resume(const ResumeOptions& options) {
+  const Path& folder = options.folder;
+  if (finished(folder)) throw InputError(fmt::format("{}: the run is finished", folder.string()));
+  std::string told;
+  Checkpoint checkpoint = read_checkpoint(folder, told);
+  if (!told.empty()) spdlog::warn("{}; going on from the checkpoint before", told);
+  if (checkpoint.identity.solver != solver_line() && !options.other_solver) {
+    throw InputError(fmt::format(
+        "{}: begun by another solver, \"{}\"; this is \"{}\". What comes of it may not be what either would "
+        "give; --other-solver goes on all the same",
+        folder.string(), checkpoint.identity.solver, solver_line()));
   }
-  for (const int dumped : dumped_steps) {
-    if (dumped >= steps_done)
-      spdlog::warn("no step {} to dump: the run took steps 0 to {}", dumped, steps_done - 1);
+  make_writable_folder(folder);
+  const Scene scene = read_scene(scene_file_of(folder, checkpoint.identity));
+  State state = initial_state(scene);
+  const std::string where = (folder / checkpoint_name).string();
+  restore(checkpoint.state, where, state);
+  Budget budget(checkpoint.budget, where, state);
+  BodyLog body_log;
+  body_log.restore(checkpoint.body_log, where);
+  nlohmann::json made = made_by(scene, checkpoint.identity);
+  made["resumed_by"] = options.command_line;
+  Running running{folder,
+                  scene,
+                  checkpoint.identity,
+                  made,
+                  options.dumped_steps,
+                  options.checkpoint_every,
+                  std::move(state),
+                  budget,
+                  body_log,
+                  checkpoint.progress};
+  spdlog::info("going on at t = {:.6g} s, before step {}", running.state.time, running.progress.steps);
+  return carry_on(running);
+}
+
+std::string digest(const Path& folder) {
+  if (finished(folder)) {
+    const Path file = folder / "run.json";
+    try {
+      return nlohmann::json::parse(read_file(file)).at("state_digest").get<std::string>();
+    } catch (const nlohmann::json::exception& error) {
+      throw InputError(
+          fmt::format("{}: not a summary that this talus run writes: {}", file.string(), error.what()));
+    }
   }
-  frame_files.finish();
-  steps.finish();
-  bodies.finish();
-  nlohmann::json summary{{"schema", "talus-run"},
-                         {"schema_version", 1},
-                         {"provenance", made_by},
-                         {"scene", options.scene.filename().string()},
-                         {"scene_file", std::filesystem::absolute(options.scene).string()},
-                         {"simulated_s", state.time},
-                         {"particles", state.particles.count()},
-                         {"budget", budget.summary()}};
-  if (!scene.broken.empty()) summary["broken"] = scene.broken;
-  write_file_atomically(output / "run.json", summary.dump(2) + "\n");
-  spdlog::info("budget: {}", budget.summary().dump());
+  std::string told;
+  const Checkpoint checkpoint = read_checkpoint(folder, told);
+  std::string content;
+  nlohmann::json::to_cbor(checkpoint.state, content);
+  return sha256(content);
 }
 
 }  // namespace talus

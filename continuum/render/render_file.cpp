@@ -128,6 +128,8 @@ void RenderWriter::append(const RenderFrame& frame) {
 }
 
 void RenderWriter::finish() { file_->series.finish(); }
+void RenderWriter::finish_as(const std::filesystem::path& part) { file_->series.finish_as(part); }
+void RenderWriter::append_all_of(const std::filesystem::path& part) { file_->series.append_all_of(part); }
 
 struct RenderReader::File {
   std::filesystem::path path;

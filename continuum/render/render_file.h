@@ -40,6 +40,9 @@ class RenderWriter {
   ~RenderWriter();
   void append(const RenderFrame& frame);
   void finish();
+  /// As SnapshotWriter has them.
+  void finish_as(const std::filesystem::path& part);
+  void append_all_of(const std::filesystem::path& part);
 
  private:
   struct File;

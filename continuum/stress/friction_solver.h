@@ -10,6 +10,8 @@ namespace talus {
 class FrictionSolver {
  public:
   FrictionSolver() = default;
+  /// Goes on where one of that Lipschitz constant was.
+  explicit FrictionSolver(double lipschitz) : lipschitz_(lipschitz) {}
   FrictionSolver(const FrictionSolver& other) : lipschitz_(other.lipschitz_) {}
   FrictionSolver& operator=(const FrictionSolver& other) {
     lipschitz_ = other.lipschitz_;
