@@ -189,8 +189,7 @@ int carry_on(Running& run) {
   }
   files.finish();
   write_summary(run);
-  remove_checkpoints(run.output);
-  remove_parts(run.output);
+  remove_traces(run.output);
   return 0;
 }
 

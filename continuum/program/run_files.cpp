@@ -122,12 +122,22 @@ void RunFiles::finish() {
   if (bodies_) bodies_->finish();
 }
 
-void remove_parts(const Path& output) { std::filesystem::remove_all(output / "parts"); }
+void remove_traces(const Path& output) {
+  remove_checkpoints(output);
+  std::filesystem::remove_all(output / "parts");
+  for (const auto& entry : std::filesystem::directory_iterator(output)) {
+    const std::string name = entry.path().filename();
+    for (const char* ours : {"run.", "budget.", "bodies.", "snapshots.", "render.", ".writable-"}) {
+      const bool unfinished = name.find(".partial") != std::string::npos;
+      if (name.starts_with(ours) && unfinished) std::filesystem::remove(entry.path());
+    }
+  }
+}
 
 void clear_old_results(const Path& output) {
-  remove_checkpoints(output);
-  for (const char* old : {"snapshots.h5", "snapshots.xdmf", "render.h5", "render.xdmf", "run.json",
-                          "budget.csv", "budget.csv.partial", "bodies.csv", "bodies.csv.partial"})
+  remove_traces(output);
+  for (const char* old :
+       {"snapshots.h5", "snapshots.xdmf", "render.h5", "render.xdmf", "run.json", "budget.csv", "bodies.csv"})
     std::filesystem::remove(output / old);
   const auto remove_from = [](const Path& folder, const auto& ours) {
     if (!std::filesystem::is_directory(folder)) return;
@@ -136,7 +146,6 @@ void clear_old_results(const Path& output) {
     }
   };
   remove_from(output / "bodies", [](const Path& file) { return file.extension() == ".stl"; });
-  remove_parts(output);
   remove_from(output / "fault",
               [](const Path& file) { return file.extension() == ".talus" || file.filename() == "run.toml"; });
   remove_from(output / "qp",

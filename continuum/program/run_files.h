@@ -28,7 +28,7 @@ class RunFiles {
   void add_frame(const State& state, const std::string& body_rows);
   /// Puts all so far on the disk, for a checkpoint; returns what that has to know, but for `steps`.
   RunProgress save();
-  /// All files get their names. Parts stay, for a resume should the run be killed before it says that it is done (remove_parts).
+  /// All files get their names. Parts stay, for a resume should the run be killed before it says that it is done (remove_traces).
   void finish();
 
  private:
@@ -48,7 +48,8 @@ class RunFiles {
   int frames_in_part_ = 0;
 };
 
-void remove_parts(const std::filesystem::path& output);
+/// Takes away all that only an unfinished run needs, and what kills left half-written.
+void remove_traces(const std::filesystem::path& output);
 
 /// Takes away what an earlier run left in the folder, so that it cannot stand for the next one's.
 void clear_old_results(const std::filesystem::path& output);

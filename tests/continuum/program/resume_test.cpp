@@ -1,9 +1,13 @@
 // Runs that are stopped, killed or run out of disk, and what comes of them when they go on: what a run without a stop comes to.
+//
+// TALUS_KILLS says how many kills, at random moments, must all be survived; default 6.
 #include <gmock/gmock.h>
 
+#include <chrono>
+#include <cstdlib>
 #include <fstream>
-#include <map>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "analysis/snapshot.h"
 #include "continuum/files/provenance.h"
@@ -60,8 +64,10 @@ class Resume : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     shared_ = new TestFolder;
+    const auto start = std::chrono::steady_clock::now();
     const auto result = run_program({"talus", "run", everything, "-o", straight().string()});
     ASSERT_EQ(result.exit_code, 0) << result.output;
+    duration_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   static void TearDownTestSuite() { delete shared_; }
   static Path straight() { return shared_->path() / "straight"; }
@@ -85,27 +91,43 @@ class Resume : public ::testing::Test {
     }
   }
 
-  /// Stops the run again and again, each time a little later; returns how often it went on from a checkpoint.
-  int stop_until_done(const std::string& signal, const std::vector<int>& codes) const {
-    int resumes = 0;
-    for (double seconds = 0.1;; seconds *= 1.3) {
+  /// Runs to the end; `kills` times at most it is stopped at a random moment, and goes on from its checkpoint, if there is one yet.
+  void run_with_stops(const std::string& signal, int code, int& kills) {
+    while (true) {
       std::vector<std::string> arguments{"run", everything, "-o", out().string()};
       if (has_checkpoint(out())) {
         arguments = {"resume", out().string()};
-        ++resumes;
+        ++resumes_;
       }
       arguments.insert(arguments.end(), {"--checkpoint-every", "0"});
-      const auto result = run_for(seconds, signal, arguments);
-      if (result.exit_code == 0) return resumes;
-      EXPECT_THAT(codes, ::testing::Contains(result.exit_code)) << result.output;
-      if (::testing::Test::HasFailure() || seconds > 300.0) return 0;
+      const double longest = kills > 0 ? 0.8 * duration_ : 1e4;
+      const auto result =
+          run_for(0.02 + longest * static_cast<double>(random_()) / 4294967296.0, signal, arguments);
+      if (result.exit_code == 0) return;
+      ASSERT_EQ(result.exit_code, code) << result.output;
+      --kills;
     }
   }
-  /// A run with a checkpoint, not at its end.
+  void stop_often(const std::string& signal, int code) {
+    const char* wanted = std::getenv("TALUS_KILLS");
+    int kills = wanted ? std::atoi(wanted) : 6, runs = 0;
+    while (kills > 0 || resumes_ == 0) {
+      kills = std::max(kills, 1);
+      run_with_stops(signal, code, kills);
+      if (HasFatalFailure()) return;
+      expect_what_a_straight_run_gives();
+      ++runs;
+    }
+    std::printf("%d runs, %d times from a checkpoint\n", runs, resumes_);
+  }
+  /// A run with two checkpoints, not at its end.
   void stop_half_way() const {
-    for (double seconds = 0.2; !has_checkpoint(out()); seconds *= 1.5) {
-      const auto result =
-          run_for(seconds, "KILL", {"run", everything, "-o", out().string(), "--checkpoint-every", "0"});
+    for (double seconds = 0.2 * duration_; !std::filesystem::exists(out() / previous_checkpoint_name);
+         seconds *= 1.5) {
+      std::vector<std::string> arguments{"run", everything, "-o", out().string()};
+      if (has_checkpoint(out())) arguments = {"resume", out().string()};
+      arguments.insert(arguments.end(), {"--checkpoint-every", "0"});
+      const auto result = run_for(seconds, "KILL", arguments);
       ASSERT_NE(result.exit_code, 0) << "done before it could be stopped";
     }
   }
@@ -118,18 +140,16 @@ class Resume : public ::testing::Test {
 
  private:
   static TestFolder* shared_;
+  static double duration_;  // s, of a run without a stop
+  std::mt19937 random_{1};
+  int resumes_ = 0;
 };
 TestFolder* Resume::shared_ = nullptr;
+double Resume::duration_ = 0.0;
 
-TEST_F(Resume, AfterKillsWhereverTheyComeNothingIsLost) {
-  EXPECT_GE(stop_until_done("KILL", {137}), 1);
-  expect_what_a_straight_run_gives();
-}
+TEST_F(Resume, AfterKillsWhereverTheyComeNothingIsLost) { stop_often("KILL", 137); }
 
-TEST_F(Resume, AfterSignalsThatAskForAStop) {
-  EXPECT_GE(stop_until_done("TERM", {143}), 1);
-  expect_what_a_straight_run_gives();
-}
+TEST_F(Resume, AfterSignalsThatAskForAStop) { stop_often("TERM", 143); }
 
 TEST_F(Resume, ASignalIsAnsweredWithACheckpointWithoutBeingAskedForOne) {
   for (double seconds = 0.2; !has_checkpoint(out()); seconds *= 1.5) {
