@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "analysis/snapshot.h"
 #include "continuum/files/input_error.h"
 #include "continuum/files/provenance.h"
 #include "continuum/parallel.h"
@@ -205,6 +206,9 @@ int main(int argc, char** argv) {
     if (*export_command) export_points(export_options);
     return 0;
   } catch (const InputError& error) {
+    fmt::print(stderr, "talus: {}\n", error.what());
+    return exit_input;
+  } catch (const analysis::SnapshotError& error) {  // a full disk, or a folder that is no longer there
     fmt::print(stderr, "talus: {}\n", error.what());
     return exit_input;
   } catch (const std::exception& error) {
