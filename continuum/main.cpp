@@ -11,6 +11,7 @@
 #include "continuum/files/provenance.h"
 #include "continuum/parallel.h"
 #include "continuum/program/bench.h"
+#include "continuum/program/check.h"
 #include "continuum/program/run.h"
 #include "continuum/render/export.h"
 #include "continuum/render/render.h"
@@ -35,6 +36,16 @@ CLI::App* add_run(CLI::App& app, RunOptions& options) {
       ->add_option("--dump-qp", options.dumped_steps,
                    "step, from 0, whose quadratic programs are written to OUTPUT/qp/step_NNNNNN; repeatable")
       ->check(CLI::NonNegativeNumber);
+  return command;
+}
+
+CLI::App* add_check(CLI::App& app, CheckOptions& options) {
+  auto* command = app.add_subcommand("check",
+                                     "Tell all that is wrong or dangerous with scenes, and what they need, "
+                                     "without running them; exit code 2 "
+                                     "if one is not fit to run");
+  command->add_option("scenes", options.scenes, "scene files (TOML)")->required();
+  command->add_flag("--strict", options.strict, "warnings count as errors");
   return command;
 }
 
@@ -139,6 +150,8 @@ int main(int argc, char** argv) {
   int threads = 1;
   auto* run_command = add_run(app, run_options);
   auto* bench_command = add_bench(app, bench_options);
+  CheckOptions check_options;
+  auto* check_command = add_check(app, check_options);
   RenderOptions render_options;
   ExportOptions export_options;
   auto* render_command = add_render(app, render_options);
@@ -160,6 +173,7 @@ int main(int argc, char** argv) {
   set_thread_count(threads);
   try {
     if (*run_command) run(run_options);
+    if (*check_command) check(check_options);
     if (*bench_command) bench(bench_options);
     if (*render_command) render(render_options);
     if (*export_command) export_points(export_options);

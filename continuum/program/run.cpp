@@ -13,6 +13,7 @@
 #include "continuum/io/budget.h"
 #include "continuum/io/stl.h"
 #include "continuum/parallel.h"
+#include "continuum/program/check.h"
 #include "continuum/program/frames.h"
 #include "continuum/qp/problem_file.h"
 #include "continuum/render/render_file.h"
@@ -113,6 +114,7 @@ void run(const RunOptions& options) {
 
   if (!scene.broken.empty()) made_by["broken"] = scene.broken;
   warn_if_broken(scene);
+  warn_of_dangers(scene);
 
   clear_old_results(output);
   write_file_atomically(output / "run.toml", scene_text);

@@ -29,23 +29,23 @@ std::string read_name(const CheckedTable& table, const std::vector<Body>& bodies
   return name;
 }
 
-Eigen::Vector3d vector_or_zero(const CheckedTable& table, std::string_view key) {
-  return table.has(key) ? table.vector(key) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+Eigen::Vector3d vector_or_zero(const CheckedTable& table, std::string_view key, Range allowed) {
+  return table.has(key) ? table.vector(key, allowed) : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
 Hinge read_hinge(const CheckedTable& motion) {
   Hinge hinge;
-  hinge.pivot = motion.vector("pivot_m");
+  hinge.pivot = motion.vector("pivot_m", coordinate_range);
   const Eigen::Vector3d axis = motion.vector("axis");
   if (!std::isnormal(axis.stableNorm())) throw motion.error("axis", "must be a direction, such as [0, 0, 1]");
   hinge.axis = axis.stableNormalized();
-  hinge.torque = motion.number("torque_n_m", {}, 0.0);
+  hinge.torque = motion.number("torque_n_m", torque_range, 0.0);
   return hinge;
 }
 
 Prescribed read_prescribed(const CheckedTable& motion) {
-  Prescribed prescribed{
-      {vector_or_zero(motion, "velocity_m_s"), vector_or_zero(motion, "angular_velocity_rad_s")}};
+  Prescribed prescribed{{vector_or_zero(motion, "velocity_m_s", velocity_range),
+                         vector_or_zero(motion, "angular_velocity_rad_s", rotation_range)}};
   prescribed.start = motion.number("start_s", non_negative, prescribed.start);
   prescribed.end = motion.number("end_s", positive, prescribed.end);
   if (prescribed.end <= prescribed.start) throw motion.error("end_s", "must come after start_s");
@@ -74,7 +74,8 @@ Twist read_twist(const CheckedTable& table, const BodyMotion& motion) {
     throw table.error("velocity_m_s", "follows from the hinge; give angular_velocity_rad_s");
   if (table.has("angular_velocity_rad_s") && prescribed)
     throw table.error("angular_velocity_rad_s", "is prescribed in motion; remove this");
-  const Twist twist{vector_or_zero(table, "velocity_m_s"), vector_or_zero(table, "angular_velocity_rad_s")};
+  const Twist twist{vector_or_zero(table, "velocity_m_s", velocity_range),
+                    vector_or_zero(table, "angular_velocity_rad_s", rotation_range)};
   const Eigen::Vector3d& turning = twist.angular_velocity;
   if (hinge && hinge->axis.cross(turning).norm() > 1e-9 * turning.norm())
     throw table.error("angular_velocity_rad_s", "must be along the axis of the hinge");
@@ -94,7 +95,7 @@ Shape read_body_shape(const CheckedTable& table, const Grid& grid) {
 Body read_body(const CheckedTable& table, const std::vector<Body>& earlier, const Grid& grid) {
   const std::string name = read_name(table, earlier);
   const Shape shape = read_body_shape(table, grid);
-  const double density = table.number("density_kg_m3", positive);
+  const double density = table.number("density_kg_m3", solid_density_range);
   const BodyMotion motion = read_motion(table);
   Body body = make_body(name, shape, density, motion, read_twist(table, motion));
   body.friction = read_solid_friction(table);
