@@ -10,6 +10,8 @@
 #include <sstream>
 #include <tuple>
 
+#include "continuum/files/atomic_file.h"
+
 namespace talus {
 
 struct CheckedTable::Node {
@@ -86,12 +88,31 @@ CheckedTable::~CheckedTable() = default;
 
 namespace {
 
+constexpr std::uintmax_t largest_file = 10'000'000;  // bytes; far more than anyone writes
+
+/// TOML has no place for them, and toml++ 3.3 takes for granted in one place (parse_key) that none is there.
+void refuse_control_characters(const std::filesystem::path& file, std::string_view text) {
+  const auto found = std::ranges::find_if(
+      text, [](unsigned char c) { return (c < 0x20 && c != '\t' && c != '\n' && c != '\r') || c == 0x7f; });
+  if (found == text.end()) return;
+  throw InputError(fmt::format(
+      "{}:{}: not valid TOML: holds the control character 0x{:02x}; is it a text file?", file.string(),
+      1 + std::count(text.begin(), found, '\n'), static_cast<unsigned char>(*found)));
+}
+
 toml::table parse(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file)) {
     throw InputError(fmt::format("{}: no such file; give the path of a TOML file", file.string()));
   }
+  std::error_code unknown;  // read_file tells of files that cannot be read
+  if (const auto size = std::filesystem::file_size(file, unknown); !unknown && size > largest_file) {
+    throw InputError(fmt::format("{}: has {:.0f} MB; at most {:.0f}", file.string(),
+                                 static_cast<double>(size) / 1e6, static_cast<double>(largest_file) / 1e6));
+  }
+  const std::string text = read_file(file);
+  refuse_control_characters(file, text);
   try {
-    return toml::parse_file(file.string());
+    return toml::parse(text, file.string());
   } catch (const toml::parse_error& bad) {
     throw InputError(
         fmt::format("{}:{}: not valid TOML: {}", file.string(), bad.source().begin.line, bad.description()));

@@ -9,8 +9,7 @@
 
 namespace talus {
 
-inline constexpr double least_opening =
-    6.0;  // cells across: narrower ones let too little through (validation/README.md)
+inline constexpr double least_opening = 6.0;     // cells across: across narrower ones too little flows
 inline constexpr double least_layer = 1.0;       // cells: what is thinner has no inside on the grid
 inline constexpr double least_body = 2.0;        // cells: the flow about smaller ones is not resolved
 inline constexpr int least_particles_in_3d = 8;  // per cell: two along each axis

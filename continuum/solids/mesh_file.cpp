@@ -217,8 +217,9 @@ void add_face(const std::filesystem::path& file, const Lines& lines, TriangleSou
     for (const auto& triangle : *triangles) add_triangle(file, triangle, soup);
     return;
   }
-  throw lines.error(
-      fmt::format("a face with {} corners is not convex; triangulate it in a mesh editor", corners.size()));
+  throw lines.error(fmt::format(
+      "a face has {} corners, from none of which it is seen whole; triangulate it in a mesh editor",
+      corners.size()));
 }
 
 TriangleSoup read_obj(const std::filesystem::path& file, std::string_view text) {

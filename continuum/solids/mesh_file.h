@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <filesystem>
 #include <vector>
@@ -18,7 +19,7 @@ struct TriangleSoup {
 inline constexpr double largest_mesh_file = 4e8;  // bytes
 inline constexpr std::size_t most_triangles = 2'000'000;
 
-/// By the ending of its name: STL, binary or text, or OBJ, whose faces with more than three corners must be convex. Throws
+/// By the ending of its name: STL, binary or text, or OBJ, each face of which must be seen whole from one of its corners, as convex ones are. Throws
 /// InputError naming the file, the line of a text, what is wrong and what to do.
 TriangleSoup read_triangles_of_file(const std::filesystem::path& file);
 

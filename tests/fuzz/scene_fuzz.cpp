@@ -1,6 +1,7 @@
-// Scenes, up to the state they start from; of sizes that take no time. A mesh lies beside them.
+// Scenes, and what is warned of in those that pass; of sizes that take no time. A mesh lies beside them.
 #include "continuum/files/checked_table.h"
-#include "continuum/scene/scene.h"
+#include "continuum/files/memory.h"
+#include "continuum/scene/warnings.h"
 #include "tests/continuum/solids/mesh_files.h"
 #include "tests/fuzz/fuzz_file.h"
 
@@ -13,6 +14,9 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto file = talus::testing::fuzz_file("scene.toml", data, size);
   const talus::SceneLimits small{.cells = 2000, .particles = 1e6, .render_points = 1e6};
-  talus::testing::may_refuse<talus::InputError>([&] { talus::read_scene(file, small); });
+  talus::testing::may_refuse<talus::InputError>([&] {
+    const talus::Scene scene = talus::read_scene(file, small);
+    talus::scene_warnings(scene, talus::scene_cost(scene), talus::memory_available());
+  });
   return 0;
 }
