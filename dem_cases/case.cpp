@@ -110,13 +110,14 @@ std::vector<ObservableBand> read_observables(const CheckedTable& root, std::stri
 }
 
 bool names_a_folder(std::string_view name) {
-  return !name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '_' || c == '-' || c == '.';
-  });
+  constexpr std::size_t longest = 100;
+  return !name.empty() && name.size() <= longest && name.front() != '.' &&
+         std::all_of(name.begin(), name.end(),
+                     [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; });
 }
 
 constexpr std::string_view plain_name =
-    "must be letters, digits, '_', '-' and '.': it names folders and tables";
+    "must be letters, digits, '_', '-' and '.', at most 100: it names folders and tables";
 
 }  // namespace
 

@@ -90,7 +90,7 @@ namespace {
 
 constexpr std::uintmax_t largest_file = 10'000'000;  // bytes; far more than anyone writes
 
-/// TOML has no place for them, and toml++ 3.3 takes for granted in one place (parse_key) that none is there.
+/// TOML has no place for them, and whoever hands over a binary file is better told so than what key it begins with.
 void refuse_control_characters(const std::filesystem::path& file, std::string_view text) {
   const auto found = std::ranges::find_if(
       text, [](unsigned char c) { return (c < 0x20 && c != '\t' && c != '\n' && c != '\r') || c == 0x7f; });

@@ -1,9 +1,11 @@
 #include "continuum/scene/narrow_openings.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 namespace talus {
 namespace {
@@ -13,6 +15,7 @@ using Eigen::Vector3i;
 
 constexpr double never = std::numeric_limits<double>::max();
 constexpr double least_difference = 1.5;  // cells, between d in the middle of a room and in the passage
+constexpr double least_gap = 0.05;        // cells, from a wall: nearer, two walls are meant to touch
 constexpr double surface = 1e-3;          // cells: nearer to a wall than this is at it
 
 /// Distance to what keeps sand in, for good.
@@ -161,6 +164,36 @@ NarrowOpening opening_at(const Confinement& distance, const Vector3d& at, double
   return {at + 0.5 * (there - back) * way, std::min(there + back, longest)};
 }
 
+/// Corners of the cell at `cell`, by number.
+std::array<int, 8> corners_of(const Grid& grid, const Corners& corners, const Vector3i& cell) {
+  std::array<int, 8> numbers;
+  for (int c = 0; c < 8; ++c) {
+    Vector3i at = cell + Vector3i(c & 1, c >> 1 & 1, c >> 2);
+    for (int axis = 0; axis < 3; ++axis) at[axis] = grid.wrapped(axis, at[axis]);
+    numbers[static_cast<std::size_t>(c)] = at[0] + corners.extent[0] * (at[1] + corners.extent[1] * at[2]);
+  }
+  return numbers;
+}
+
+/// A place between walls in a cell no corner of which is: to the grid, the walls touch there.
+std::optional<Vector3d> unseen_gap(const Confinement& distance, const Corners& corners,
+                                   const std::vector<double>& at_corners) {
+  const Grid& grid = distance.grid;
+  for (int n = 0; n < grid.cells.prod(); ++n) {
+    const Vector3i cell = grid.cell_of_index(n);
+    double nearest = -never;
+    for (const int corner : corners_of(grid, corners, cell))
+      nearest = std::max(nearest, at_corners[static_cast<std::size_t>(corner)]);
+    if (nearest > 0.0 || nearest < -0.5 * grid.spacing) continue;
+    for (int c = 0; c < 8; ++c) {
+      const Vector3d quarter = 0.25 * Vector3d(1 + 2 * (c & 1), 1 + 2 * (c >> 1 & 1), 1 + 2 * (c >> 2));
+      const Vector3d at = grid.origin + grid.spacing * (cell.cast<double>() + quarter);
+      if (distance(at) > least_gap * grid.spacing) return at;
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<NarrowOpening> narrow_openings(const Grid& grid, const DomainSides& sides,
@@ -176,6 +209,8 @@ std::vector<NarrowOpening> narrow_openings(const Grid& grid, const DomainSides& 
     const NarrowOpening opening = opening_at(confinement, corners.position(n), grid.spacing);
     if (opening.width < least_width * (1.0 - surface)) found.push_back(opening);
   }
+  if (const auto gap = unseen_gap(confinement, corners, distance))
+    found.push_back(opening_at(confinement, *gap, grid.spacing));
   std::ranges::sort(found, {}, &NarrowOpening::width);
   return found;
 }

@@ -20,6 +20,7 @@ struct NarrowOpening {
   double width;           // m, from wall to wall, across
 };
 
+/// Of gaps that no corner of a cell lies in, and that the grid therefore closes, one is told, if it is half a cell wide or more.
 /// Passages narrower than `least_width` (m) between walls that never open, with domain sides that are walls; the narrowest first.
 std::vector<NarrowOpening> narrow_openings(const Grid& grid, const DomainSides& sides,
                                            std::span<const Wall> walls, double least_width);

@@ -13,6 +13,7 @@
 namespace talus {
 namespace {
 
+constexpr std::size_t longest_name = 100;
 constexpr double usual_contact_friction = 0.5;
 constexpr double most_contact_friction = 10.0;
 constexpr double least_thickness_given = 0.25;  // cells; thinner ones would be swollen out of all likeness
@@ -20,10 +21,12 @@ constexpr double overlap_allowed = 0.01;        // of an inradius: files have fe
 
 std::string read_name(const CheckedTable& table, const std::vector<Body>& bodies) {
   const std::string name = table.string("name");
-  const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '-' || c == '_';
-  });
-  if (!plain) throw table.error("name", "must be letters, digits, - and _ : it names a file");
+  const bool plain = !name.empty() && name.size() <= longest_name &&
+                     std::all_of(name.begin(), name.end(),
+                                 [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; });
+  if (!plain)
+    throw table.error(
+        "name", fmt::format("must be letters, digits, - and _, at most {}: it names a file", longest_name));
   if (std::any_of(bodies.begin(), bodies.end(), [&](const Body& other) { return other.name == name; }))
     throw table.error("name", "is there twice");
   return name;
@@ -146,8 +149,7 @@ void check_overlaps(const std::vector<CheckedTable>& tables, const std::vector<B
 
 std::vector<Body> read_bodies(const CheckedTable& root, const BodySurroundings& surroundings) {
   std::vector<Body> bodies;
-  if (!root.has("body")) return bodies;
-  const std::vector<CheckedTable> tables = root.tables("body");
+  const std::vector<CheckedTable> tables = up_to_most_tables(root, "body");
   for (const CheckedTable& table : tables) bodies.push_back(read_body(table, bodies, surroundings.grid));
   check_overlaps(tables, bodies, surroundings);
   return bodies;

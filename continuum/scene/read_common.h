@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <vector>
 
 #include "continuum/files/checked_table.h"
 #include "continuum/grid/grid.h"
@@ -20,6 +21,11 @@ inline constexpr Range acceleration_range{-1e4, 1e4};  // m/s^2
 inline constexpr Range time_range{1e-9, 1e9};          // s
 inline constexpr Range solid_density_range{1.0, 3e4};  // kg/m^3: from foam to osmium
 inline constexpr Range torque_range{-1e12, 1e12};      // N m
+
+/// No more of each kind of table: each cell is held against every wall, each body against every other.
+inline constexpr std::size_t most_tables = 1000;
+/// The tables [[key]] of a file, none where there is none. Throws InputError for more than most_tables.
+std::vector<CheckedTable> up_to_most_tables(const CheckedTable& root, std::string_view key);
 
 /// The friction coefficient of an angle in degrees.
 double friction_of_angle_deg(double angle);

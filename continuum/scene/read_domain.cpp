@@ -79,10 +79,11 @@ void read_domain(const CheckedTable& root, const SceneLimits& limits, Scene& sce
 
 bool read_walls(const CheckedTable& root, Faults& faults, Scene& scene) {
   bool all = true;
-  if (!root.has("wall")) return all;
-  for (const auto& table : root.tables("wall"))
-    all = passes(faults, [&] { scene.walls.push_back(read_wall(table)); }) && all;
-  return all;
+  const bool there = passes(faults, [&] {
+    for (const auto& table : up_to_most_tables(root, "wall"))
+      all = passes(faults, [&] { scene.walls.push_back(read_wall(table)); }) && all;
+  });
+  return all && there;
 }
 
 /// The grid sees walls at the corners of its cells, and each wall once: one that holds a cell's centre must not slip between

@@ -91,9 +91,10 @@ Source read_source(const CheckedTable& table, const Scene& scene) {
 template <class Read>
 bool read_each(const CheckedTable& root, std::string_view key, Faults& faults, Read read) {
   bool all = true;
-  if (!root.has(key)) return all;
-  for (const auto& table : root.tables(key)) all = passes(faults, [&] { read(table); }) && all;
-  return all;
+  const bool there = passes(faults, [&] {
+    for (const auto& table : up_to_most_tables(root, key)) all = passes(faults, [&] { read(table); }) && all;
+  });
+  return all && there;
 }
 
 }  // namespace

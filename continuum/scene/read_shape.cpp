@@ -1,5 +1,7 @@
 #include "continuum/scene/read_shape.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +14,8 @@ namespace talus {
 namespace {
 
 using Geometry = decltype(Shape::geometry);
+
+constexpr std::size_t most_corners = 1000;  // of a profile
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
@@ -79,6 +83,8 @@ Geometry read_hourglass(const CheckedTable& table) {
 
 Geometry read_profile(const CheckedTable& table) {
   auto points = table.pairs("points_m", non_negative_length, coordinate_range);
+  if (points.size() > most_corners)  // each edge is held against every other
+    throw table.error("points_m", fmt::format("must be at most {} corners", most_corners));
   if (const auto fault = profile_fault(points)) throw table.error("points_m", *fault);
   return Revolved{table.vector("base_m", coordinate_range), direction(table, "axis"), std::move(points)};
 }

@@ -48,6 +48,15 @@ TEST(NarrowOpenings, TellTheWidthOfASlotWhereverItLies) {
   }
 }
 
+TEST(NarrowOpenings, AreAlsoGapsThatTheGridCloses) {
+  for (const double width : {0.5, 0.7, 0.9}) {
+    const auto openings = found(grid_of({40, 1, 40}), slotted_floor(15.05, width), closed_sides());
+    ASSERT_EQ(openings.size(), 1u) << width;
+    EXPECT_NEAR(openings[0].width, width * h, 0.01 * h);
+  }
+  EXPECT_TRUE(found(grid_of({40, 1, 40}), slotted_floor(15.05, 0.0), closed_sides()).empty());
+}
+
 TEST(NarrowOpenings, AreNotWhatIsWideEnough) {
   for (const double width : {6.0, 6.4, 9.0}) {
     for (const double left : {15.0, 15.3, 15.5}) {
