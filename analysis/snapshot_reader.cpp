@@ -12,6 +12,9 @@
 namespace talus::analysis {
 namespace {
 
+/// Deflate packs at most 1032 bytes into one. A damaged count must not ask for more memory than a file of that size can fill.
+constexpr double largest_compression = 1100.0;
+
 /// The number of rows of a dataset that must have `columns` columns (1: a plain list).
 hsize_t row_count(const H5::DataSet& set, hsize_t columns, const char* name) {
   const H5::DataSpace space = set.getSpace();
@@ -24,6 +27,9 @@ hsize_t row_count(const H5::DataSet& set, hsize_t columns, const char* name) {
   }
   constexpr auto most = static_cast<hsize_t>(std::numeric_limits<Eigen::Index>::max()) / 3 / sizeof(double);
   if (shape[0] > most) throw std::bad_alloc();
+  const double bytes = static_cast<double>(shape[0]) * static_cast<double>(columns) * sizeof(double);
+  if (bytes > largest_compression * static_cast<double>(std::filesystem::file_size(set.getFileName())))
+    throw H5::DataSetIException(name, fmt::format("claims {} rows, more than the file can hold", shape[0]));
   return shape[0];
 }
 
