@@ -68,6 +68,8 @@ Soup read_soup(const std::filesystem::path& file, double scale, const Eigen::Vec
 void join_vertices(Soup& soup) {
   processing::merge_duplicate_points_in_polygon_soup(soup.points, soup.triangles);
   std::erase_if(soup.triangles, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  // CGAL looks for the outermost triangle at the outermost vertex, and reads past its tables where that belongs to none.
+  processing::remove_isolated_points_in_polygon_soup(soup.points, soup.triangles);
 }
 
 void require_area(const std::filesystem::path& file, const Soup& soup) {

@@ -225,6 +225,18 @@ TEST_F(SnapshotFile, NotFiniteOrInconsistentContent) {
   EXPECT_THAT(reading_error(), HasSubstr("not a float table"));
 }
 
+TEST_F(SnapshotFile, ClaimsNoMoreRowsThanTheFileCanHold) {
+  write_snapshots(file, {cloud(0.0, 4)}, "test");
+  spoil(file, [](H5::H5File& hdf5) {  // 24 GB, none of which was ever written
+    constexpr hsize_t shape[] = {1'000'000'000, 3}, chunk[] = {1000, 3};
+    H5::DSetCreatPropList layout;
+    layout.setChunk(2, chunk);
+    hdf5.unlink("frame_000000/positions");
+    hdf5.createDataSet("frame_000000/positions", H5::PredType::IEEE_F64LE, H5::DataSpace(2, shape), layout);
+  });
+  EXPECT_THAT(reading_error(), HasSubstr("claims 1000000000 rows, more than the file can hold"));
+}
+
 TEST_F(SnapshotFile, AnotherVersionOrNotComplete) {
   write_snapshots(file, {cloud(0.0, 4)}, "test");
   const auto set = [&](const char* name, int value) {

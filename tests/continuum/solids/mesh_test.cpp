@@ -190,6 +190,15 @@ TEST_F(MeshTest, ReadsWhatOtherProgramsWrite) {
   EXPECT_DOUBLE_EQ(signed_distance(read_mesh(path("binary.stl")), {0.5, 0.5, 0.25}), -0.25);
 }
 
+// Found by fuzzing: CGAL crashed on them.
+TEST_F(MeshTest, VerticesThatNoTriangleHasAreNoPartOfTheSolid) {
+  testing::write_obj(path("far.obj"), unit_cube);
+  std::ofstream(path("far.obj"), std::ios::app) << "v 9 9 9\nv -9 -9 -9\nv 9 9 9\nv 9 9 9\nf -1 -2 -4\n";
+  const Mesh mesh = read_mesh(path("far.obj"));
+  EXPECT_DOUBLE_EQ(signed_distance(mesh, {0.5, 0.5, 0.25}), -0.25);
+  EXPECT_EQ(bounds(mesh).max(), Eigen::Vector3d(1, 1, 1));
+}
+
 TEST_F(MeshTest, FacesWithManyCornersMustBeSeenFromOneOfThem) {
   // A prism on a pentagon: its fifth corner on the way from the fourth to the first, where no flat triangle must be made, or a dent.
   const auto prism =
