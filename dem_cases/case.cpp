@@ -234,7 +234,7 @@ void read_tables(const CheckedTable& root, Faults& faults, Case& a_case) {
 
 Case read_case(const std::filesystem::path& file, std::string_view point) {
   if (!point.empty() && !names_a_folder(point))
-    throw InputError(fmt::format("{}: point.name = '{}' {}", file.string(), point, plain_name));
+    throw InputError(fmt::format("{}: point.name = {:?} {}", file.string(), point, plain_name));
   const auto root = CheckedTable::parse_point(file, point);
   root.require_schema(1);
   Case a_case;
@@ -255,7 +255,7 @@ Case read_case(const std::filesystem::path& file, std::string_view point) {
 std::vector<Case> read_case_points(const std::filesystem::path& file) {
   std::vector<Case> points{read_case(file)};
   for (const auto& name : CheckedTable::point_names(file)) {
-    if (name.empty()) throw InputError(fmt::format("{}: a point's name {}", file.string(), plain_name));
+    if (name.empty()) throw InputError(fmt::format("{}: point.name = \"\" {}", file.string(), plain_name));
     points.push_back(read_case(file, name));
     if (name == points.front().point) {
       throw InputError(

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "continuum/files/checked_table.h"
 #include "dem_cases/shear_cell/shear_cell.h"
@@ -44,11 +45,14 @@ void check_point(const std::filesystem::path& file, const std::string& name, Cas
   });
 }
 
-/// Points share the file's own keys, and so their faults.
+/// A fault each, once: points share the file's own keys, and so their faults.
 void drop_repeated(Faults& faults) {
   Faults once;
-  for (auto& fault : faults) {
-    if (std::ranges::find(once, fault) == once.end()) once.push_back(std::move(fault));
+  for (const auto& fault : faults) {
+    std::istringstream lines(fault);
+    for (std::string line; std::getline(lines, line);) {
+      if (std::ranges::find(once, line) == once.end()) once.push_back(line);
+    }
   }
   faults = std::move(once);
 }

@@ -155,13 +155,26 @@ double way_to_wall(const Confinement& distance, const Vector3d& from, const Vect
   return longest;
 }
 
-/// From wall to wall through a saddle. A corner's own distance is half of the width at best, and lies up to sqrt(3)/2 cells from the saddle.
-NarrowOpening opening_at(const Confinement& distance, const Vector3d& at, double spacing) {
-  const Vector3d way = towards_wall(distance, at, spacing);
-  const double longest = 2.0 * (distance(at) + std::sqrt(3.0) * 0.5 * spacing);
+/// From wall to wall along a line through a place; of width `longest` where it meets no wall on both sides by then.
+NarrowOpening chord(const Confinement& distance, const Vector3d& at, const Vector3d& way, double longest,
+                    double spacing) {
   const double there = way_to_wall(distance, at, way, longest, spacing),
                back = way_to_wall(distance, at, -way, longest, spacing);
   return {at + 0.5 * (there - back) * way, std::min(there + back, longest)};
+}
+
+/// From wall to wall through a saddle: square to the nearest wall or, where that leads out past the edge of the other one, the shortest
+/// of the grid's 13 directions. A corner lies up to sqrt(3)/2 cells from the saddle, which bounds what can be right.
+NarrowOpening opening_at(const Confinement& distance, const Vector3d& at, double spacing) {
+  const double longest = 2.0 * (distance(at) + std::sqrt(3.0) * 0.5 * spacing);
+  NarrowOpening opening = chord(distance, at, towards_wall(distance, at, spacing), longest, spacing);
+  if (opening.width < longest) return opening;
+  for (int n = 0; n < 13; ++n) {
+    const Vector3d way = Vector3d(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).normalized();
+    const NarrowOpening other = chord(distance, at, way, longest, spacing);
+    if (other.width < opening.width) opening = other;
+  }
+  return opening;
 }
 
 /// Corners of the cell at `cell`, by number.
