@@ -95,7 +95,7 @@ SnapshotSeries read_all(const std::filesystem::path& path) {
 
 /// Processor time that reading may take: far more than it does.
 double patience(const std::filesystem::path& path) {
-  constexpr double least = 10.0, seconds_per_byte = 1e-6;
+  constexpr double least = 3.0, seconds_per_byte = 1e-6;
   return least + seconds_per_byte * static_cast<double>(std::filesystem::file_size(path));
 }
 

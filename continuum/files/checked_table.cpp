@@ -24,17 +24,32 @@ struct CheckedTable::Node {
 
 namespace {
 
+std::string value_text(const toml::node& node);
+
+/// Not by toml++, which prints arrays of small numbers by way of undefined behaviour.
+std::string array_text(const toml::array& array) {
+  constexpr std::size_t most = 8;  // entries shown
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < std::min(array.size(), most); ++i) texts.push_back(value_text(array[i]));
+  if (array.size() > most) texts.push_back("...");
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
 std::string value_text(const toml::node& node) {
+  constexpr std::size_t longest = 200;  // characters
   std::ostringstream text;
   node.visit([&](const auto& n) {
     if constexpr (toml::is_table<decltype(n)>)
       text << "a table";
+    else if constexpr (toml::is_array<decltype(n)>)
+      text << array_text(n);
     else if constexpr (toml::is_floating_point<decltype(n)>)
       text << fmt::format("{}", n.get());  // as the user wrote it, not to 17 digits
     else
       text << n;
   });
-  return text.str();
+  const std::string whole = text.str();
+  return whole.size() > longest ? whole.substr(0, longest) + "..." : whole;
 }
 
 bool inside(double value, Range allowed) {
