@@ -12,6 +12,7 @@
 #include "continuum/files/provenance.h"
 #include "continuum/parallel.h"
 #include "continuum/program/bench.h"
+#include "continuum/program/check.h"
 #include "continuum/program/run.h"
 #include "continuum/render/export.h"
 #include "continuum/render/render.h"
@@ -70,6 +71,16 @@ CLI::App* add_digest(CLI::App& app, std::filesystem::path& folder) {
                                      "Print the SHA-256 of the final state of a run, to the last bit; of an "
                                      "unfinished one, of its checkpoint");
   command->add_option("folder", folder, "folder of the run")->required();
+  return command;
+}
+
+CLI::App* add_check(CLI::App& app, CheckOptions& options) {
+  auto* command = app.add_subcommand("check",
+                                     "Tell all that is wrong or dangerous with scenes, and what they need, "
+                                     "without running them; exit code 2 "
+                                     "if one is not fit to run");
+  command->add_option("scenes", options.scenes, "scene files (TOML)")->required();
+  command->add_flag("--strict", options.strict, "warnings count as errors");
   return command;
 }
 
@@ -178,6 +189,8 @@ int main(int argc, char** argv) {
   std::filesystem::path digest_folder;
   auto* digest_command = add_digest(app, digest_folder);
   auto* bench_command = add_bench(app, bench_options);
+  CheckOptions check_options;
+  auto* check_command = add_check(app, check_options);
   RenderOptions render_options;
   ExportOptions export_options;
   auto* render_command = add_render(app, render_options);
@@ -201,6 +214,7 @@ int main(int argc, char** argv) {
     if (*run_command) return run(run_options);
     if (*resume_command) return resume(resume_options);
     if (*digest_command) fmt::print("{}\n", digest(digest_folder));
+    if (*check_command) check(check_options);
     if (*bench_command) bench(bench_options);
     if (*render_command) render(render_options);
     if (*export_command) export_points(export_options);

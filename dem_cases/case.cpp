@@ -12,6 +12,7 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
+#include "continuum/files/faults.h"
 #include "continuum/files/provenance.h"
 #include "dem_cases/read_geometry.h"
 
@@ -109,13 +110,14 @@ std::vector<ObservableBand> read_observables(const CheckedTable& root, std::stri
 }
 
 bool names_a_folder(std::string_view name) {
-  return !name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '_' || c == '-' || c == '.';
-  });
+  constexpr std::size_t longest = 100;
+  return !name.empty() && name.size() <= longest && name.front() != '.' &&
+         std::all_of(name.begin(), name.end(),
+                     [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; });
 }
 
 constexpr std::string_view plain_name =
-    "must be letters, digits, '_', '-' and '.': it names folders and tables";
+    "must be letters, digits, '_', '-' and '.', at most 100: it names folders and tables";
 
 }  // namespace
 
@@ -187,38 +189,64 @@ static void check_lift(const HeapGeometry& heap, const Protocol& protocol, const
   }
 }
 
-Case read_case(const std::filesystem::path& file, std::string_view point) {
-  if (!point.empty() && !names_a_folder(point))
-    throw InputError(fmt::format("{}: point.name = '{}' {}", file.string(), point, plain_name));
-  const auto root = CheckedTable::parse_point(file, point);
-  root.require_schema(1);
-  Case a_case;
-  a_case.kind = root.choice("kind", kinds);
+namespace {
+
+/// Of whom and of what; nothing of the rest hangs on it.
+void read_head(const CheckedTable& root, std::string_view point, Case& a_case) {
   a_case.name = read_folder_name(root, "name");
   const std::string own_point = read_folder_name(root, "base_point");
   a_case.point = point.empty() ? own_point : std::string(point);
   a_case.title = root.string("title");
   a_case.calibration = read_folder_name(root, "material");
   a_case.seeds = read_seeds(root, "seeds");
-  if (const auto reference = root.optional_table("reference")) {
-    for (const std::string code : {"liggghts", "yade"}) {
-      if (reference->has(code + "_seeds"))
-        a_case.reference_seeds[code] = read_seeds(*reference, code + "_seeds", true);
-    }
-    reference->finish();
+}
+
+void read_reference_seeds(const CheckedTable& root, Case& a_case) {
+  const auto reference = root.optional_table("reference");
+  if (!reference) return;
+  for (const std::string code : {"liggghts", "yade"}) {
+    if (reference->has(code + "_seeds"))
+      a_case.reference_seeds[code] = read_seeds(*reference, code + "_seeds", true);
   }
-  const auto grains = root.table("grains"), protocol = root.table("protocol");
-  a_case.grains = read_grains(grains);
-  const auto geometry = root.table("geometry");
-  a_case.geometry = read_geometry(geometry, a_case.kind, a_case.grains);
-  a_case.contact = read_contact(root.table("contact"));
-  a_case.protocol = read_protocol(protocol);
-  if (const auto* heap = std::get_if<HeapGeometry>(&a_case.geometry))
-    check_lift(*heap, a_case.protocol, geometry);
-  check_size(a_case, grains, protocol);
-  a_case.ruler = read_ruler(root.table("ruler"), a_case);
-  a_case.observables = read_observables(root, a_case.kind);
-  root.finish();
+  reference->finish();
+}
+
+/// All tables, and whether they go together.
+void read_tables(const CheckedTable& root, Faults& faults, Case& a_case) {
+  const auto read = [&](auto reader) { return passes(faults, reader); };
+  const bool grains = read([&] { a_case.grains = read_grains(root.table("grains")); });
+  const bool protocol = read([&] { a_case.protocol = read_protocol(root.table("protocol")); });
+  read([&] { a_case.contact = read_contact(root.table("contact")); });
+  read([&] { a_case.observables = read_observables(root, a_case.kind); });
+  const bool geometry = grains && read([&] {
+                          a_case.geometry = read_geometry(root.table("geometry"), a_case.kind, a_case.grains);
+                        });
+  if (geometry) read([&] { a_case.ruler = read_ruler(root.table("ruler"), a_case); });
+  if (!geometry || !protocol) return;
+  read([&] {
+    if (const auto* heap = std::get_if<HeapGeometry>(&a_case.geometry))
+      check_lift(*heap, a_case.protocol, root.table("geometry"));
+    check_size(a_case, root.table("grains"), root.table("protocol"));
+  });
+}
+
+}  // namespace
+
+Case read_case(const std::filesystem::path& file, std::string_view point) {
+  if (!point.empty() && !names_a_folder(point))
+    throw InputError(fmt::format("{}: point.name = {:?} {}", file.string(), point, plain_name));
+  const auto root = CheckedTable::parse_point(file, point);
+  root.require_schema(1);
+  Case a_case;
+  a_case.kind = root.choice("kind", kinds);
+  for (const char* table : {"grains", "geometry", "contact", "protocol", "ruler", "observable", "reference"})
+    root.has(table);
+  Faults faults;
+  passes(faults, [&] { read_head(root, point, a_case); });
+  passes(faults, [&] { read_reference_seeds(root, a_case); });
+  read_tables(root, faults, a_case);
+  if (faults.empty()) passes(faults, [&] { root.finish(); });
+  refuse(faults);
   a_case.file = file;
   a_case.input_hash = sha256(read_file(file));
   return a_case;
@@ -227,6 +255,7 @@ Case read_case(const std::filesystem::path& file, std::string_view point) {
 std::vector<Case> read_case_points(const std::filesystem::path& file) {
   std::vector<Case> points{read_case(file)};
   for (const auto& name : CheckedTable::point_names(file)) {
+    if (name.empty()) throw InputError(fmt::format("{}: point.name = \"\" {}", file.string(), plain_name));
     points.push_back(read_case(file, name));
     if (name == points.front().point) {
       throw InputError(

@@ -13,6 +13,7 @@
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
 #include "continuum/files/provenance.h"
+#include "dem_cases/check.h"
 #include "dem_cases/grain_dump.h"
 #include "dem_cases/reference/folder_lock.h"
 #include "dem_cases/reference/make_run.h"
@@ -43,6 +44,7 @@ struct Arguments {
   std::string code;                // empty: both
   std::filesystem::path output;    // of calibrate; empty: stdout
   int workers = 0;
+  bool strict = false;  // of check: warnings count as errors
 };
 
 bool is_case_file(const std::string& name) { return name.ends_with(".toml"); }
@@ -170,6 +172,21 @@ int list(const Arguments& arguments) {
   return exit_done;
 }
 
+/// Reads all files, whatever is wrong with the first.
+int check(const Arguments& arguments) {
+  std::size_t unfit = 0;
+  for (const std::string& file : arguments.cases) {
+    const CaseCheck found = check_case_file(file);
+    for (const auto& fault : found.faults) fmt::print("error: {}\n", fault);
+    for (const auto& warning : found.warnings) fmt::print("warning: {}\n", warning);
+    for (const auto& need : found.needs) fmt::print("{}\n", need);
+    unfit += !found.faults.empty() || (arguments.strict && !found.warnings.empty()) ? 1 : 0;
+  }
+  if (unfit > 0)
+    throw InputError(fmt::format("{} of {} case files are not fit to run", unfit, arguments.cases.size()));
+  return exit_done;
+}
+
 int table(const Arguments& arguments) {
   fmt::print("{}\nDischarge of the slots, W = C rho_b sqrt(g) w (D - k d)^(3/2), LIGGGHTS:\n\n{}",
              reference_table(arguments.reference), beverloo_table(arguments.reference, slot_case_file()));
@@ -225,6 +242,12 @@ int main(int argc, char** argv) {
   auto* list_command =
       app.add_subcommand("list", "List all runs, with what they cost and whether they are stored");
   add_selection(list_command);
+  auto* check_command = app.add_subcommand("check",
+                                           "Tell all that is wrong or dangerous with case files, and what "
+                                           "they need, without running a code; exit code 2 if "
+                                           "one is not fit to run");
+  check_command->add_option("files", arguments.cases, "case files")->required();
+  check_command->add_flag("--strict", arguments.strict, "warnings count as errors");
   auto* table_command = app.add_subcommand(
       "table", "The stored ensemble: mean, spread and number of runs, both codes side by side");
   auto* calibrate_command = app.add_subcommand(
@@ -246,6 +269,7 @@ int main(int argc, char** argv) {
   try {
     if (*run_command) return make(arguments);
     if (*list_command) return list(arguments);
+    if (*check_command) return check(arguments);
     if (*calibrate_command) return calibrate_materials(arguments);
     if (*table_command) return table(arguments);
   } catch (const InputError& error) {

@@ -10,6 +10,8 @@
 #include <sstream>
 #include <tuple>
 
+#include "continuum/files/atomic_file.h"
+
 namespace talus {
 
 struct CheckedTable::Node {
@@ -22,17 +24,32 @@ struct CheckedTable::Node {
 
 namespace {
 
+std::string value_text(const toml::node& node);
+
+/// Not by toml++, which prints arrays of small numbers by way of undefined behaviour.
+std::string array_text(const toml::array& array) {
+  constexpr std::size_t most = 8;  // entries shown
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < std::min(array.size(), most); ++i) texts.push_back(value_text(array[i]));
+  if (array.size() > most) texts.push_back("...");
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
 std::string value_text(const toml::node& node) {
+  constexpr std::size_t longest = 200;  // characters
   std::ostringstream text;
   node.visit([&](const auto& n) {
     if constexpr (toml::is_table<decltype(n)>)
       text << "a table";
+    else if constexpr (toml::is_array<decltype(n)>)
+      text << array_text(n);
     else if constexpr (toml::is_floating_point<decltype(n)>)
       text << fmt::format("{}", n.get());  // as the user wrote it, not to 17 digits
     else
       text << n;
   });
-  return text.str();
+  const std::string whole = text.str();
+  return whole.size() > longest ? whole.substr(0, longest) + "..." : whole;
 }
 
 bool inside(double value, Range allowed) {
@@ -86,12 +103,31 @@ CheckedTable::~CheckedTable() = default;
 
 namespace {
 
+constexpr std::uintmax_t largest_file = 10'000'000;  // bytes; far more than anyone writes
+
+/// TOML has no place for them, and whoever hands over a binary file is better told so than what key it begins with.
+void refuse_control_characters(const std::filesystem::path& file, std::string_view text) {
+  const auto found = std::ranges::find_if(
+      text, [](unsigned char c) { return (c < 0x20 && c != '\t' && c != '\n' && c != '\r') || c == 0x7f; });
+  if (found == text.end()) return;
+  throw InputError(fmt::format(
+      "{}:{}: not valid TOML: holds the control character 0x{:02x}; is it a text file?", file.string(),
+      1 + std::count(text.begin(), found, '\n'), static_cast<unsigned char>(*found)));
+}
+
 toml::table parse(const std::filesystem::path& file) {
   if (!std::filesystem::is_regular_file(file)) {
     throw InputError(fmt::format("{}: no such file; give the path of a TOML file", file.string()));
   }
+  std::error_code unknown;  // read_file tells of files that cannot be read
+  if (const auto size = std::filesystem::file_size(file, unknown); !unknown && size > largest_file) {
+    throw InputError(fmt::format("{}: has {:.0f} MB; at most {:.0f}", file.string(),
+                                 static_cast<double>(size) / 1e6, static_cast<double>(largest_file) / 1e6));
+  }
+  const std::string text = read_file(file);
+  refuse_control_characters(file, text);
   try {
-    return toml::parse_file(file.string());
+    return toml::parse(text, file.string());
   } catch (const toml::parse_error& bad) {
     throw InputError(
         fmt::format("{}:{}: not valid TOML: {}", file.string(), bad.source().begin.line, bad.description()));

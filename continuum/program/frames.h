@@ -2,6 +2,7 @@
 // a word on solvers that are broken on purpose.
 #pragma once
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -11,14 +12,17 @@
 
 namespace talus {
 
+/// What to say of a scene with a `broken` solver.
+inline std::string broken_text(const Scene& scene) {
+  return fmt::format(
+      "{}: [solver] broken = \"{}\" makes this solver wrong on purpose, for the harness's mutation check; "
+      "its results are not sand's",
+      scene.file.string(), scene.broken);
+}
+
 /// So that nobody uses one unknowingly.
 inline void warn_if_broken(const Scene& scene) {
-  if (scene.broken.empty()) return;
-  spdlog::warn(
-      "{}: [solver] broken = \"{}\" makes this solver wrong on purpose, for the harness's mutation check; "
-      "its "
-      "results are not sand's",
-      scene.file.string(), scene.broken);
+  if (!scene.broken.empty()) spdlog::warn(broken_text(scene));
 }
 
 /// Frames until the scene's end; the last one may be shorter.

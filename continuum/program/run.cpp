@@ -14,6 +14,7 @@
 #include "continuum/io/checkpoint.h"
 #include "continuum/io/state_archive.h"
 #include "continuum/parallel.h"
+#include "continuum/program/check.h"
 #include "continuum/program/frames.h"
 #include "continuum/program/run_files.h"
 #include "continuum/program/stop_signals.h"
@@ -207,6 +208,7 @@ int run(const RunOptions& options) {
         "--discard to start anew without it",
         options.output.string()));
   }
+  warn_of_dangers(scene);
   clear_old_results(options.output);
   write_file_atomically(options.output / "run.toml", scene_text);
   const RunIdentity identity = identity_of(scene, options.command_line);

@@ -1,19 +1,16 @@
 #include "continuum/render/bodies.h"
 
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <assimp/Importer.hpp>
 #include <charconv>
 #include <cmath>
 #include <map>
-#include <span>
 #include <sstream>
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
+#include "continuum/solids/mesh_file.h"
 
 namespace talus {
 namespace {
@@ -54,24 +51,11 @@ Row read_row(const std::string& place, const std::string& line) {
 }  // namespace
 
 Triangles read_triangles(const std::filesystem::path& file) {
-  Assimp::Importer importer;
-  const aiScene* read =
-      importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
-                                           aiProcess_PreTransformVertices);
-  if (read == nullptr)
-    throw InputError(
-        fmt::format("{}: cannot be read as a mesh: {}", file.string(), importer.GetErrorString()));
-  Triangles triangles;
-  for (const aiMesh* mesh : std::span(read->mMeshes, read->mNumMeshes)) {
-    const auto first = static_cast<unsigned>(triangles.corners.size());
-    for (const aiVector3D& corner : std::span(mesh->mVertices, mesh->mNumVertices))
-      triangles.corners.emplace_back(corner.x, corner.y, corner.z);
-    for (const aiFace& face : std::span(mesh->mFaces, mesh->mNumFaces)) {
-      if (face.mNumIndices == 3)
-        triangles.faces.push_back(
-            {first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
-    }
-  }
+  TriangleSoup read = read_triangles_of_file(file);
+  Triangles triangles{std::move(read.points), {}};
+  for (const auto& t : read.triangles)
+    triangles.faces.push_back(
+        {static_cast<unsigned>(t[0]), static_cast<unsigned>(t[1]), static_cast<unsigned>(t[2])});
   if (triangles.faces.empty()) throw InputError(fmt::format("{}: holds no triangle", file.string()));
   return triangles;
 }

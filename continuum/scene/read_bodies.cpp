@@ -13,6 +13,7 @@
 namespace talus {
 namespace {
 
+constexpr std::size_t longest_name = 100;
 constexpr double usual_contact_friction = 0.5;
 constexpr double most_contact_friction = 10.0;
 constexpr double least_thickness_given = 0.25;  // cells; thinner ones would be swollen out of all likeness
@@ -20,32 +21,34 @@ constexpr double overlap_allowed = 0.01;        // of an inradius: files have fe
 
 std::string read_name(const CheckedTable& table, const std::vector<Body>& bodies) {
   const std::string name = table.string("name");
-  const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '-' || c == '_';
-  });
-  if (!plain) throw table.error("name", "must be letters, digits, - and _ : it names a file");
+  const bool plain = !name.empty() && name.size() <= longest_name &&
+                     std::all_of(name.begin(), name.end(),
+                                 [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; });
+  if (!plain)
+    throw table.error(
+        "name", fmt::format("must be letters, digits, - and _, at most {}: it names a file", longest_name));
   if (std::any_of(bodies.begin(), bodies.end(), [&](const Body& other) { return other.name == name; }))
     throw table.error("name", "is there twice");
   return name;
 }
 
-Eigen::Vector3d vector_or_zero(const CheckedTable& table, std::string_view key) {
-  return table.has(key) ? table.vector(key) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+Eigen::Vector3d vector_or_zero(const CheckedTable& table, std::string_view key, Range allowed) {
+  return table.has(key) ? table.vector(key, allowed) : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
 Hinge read_hinge(const CheckedTable& motion) {
   Hinge hinge;
-  hinge.pivot = motion.vector("pivot_m");
+  hinge.pivot = motion.vector("pivot_m", coordinate_range);
   const Eigen::Vector3d axis = motion.vector("axis");
   if (!std::isnormal(axis.stableNorm())) throw motion.error("axis", "must be a direction, such as [0, 0, 1]");
   hinge.axis = axis.stableNormalized();
-  hinge.torque = motion.number("torque_n_m", {}, 0.0);
+  hinge.torque = motion.number("torque_n_m", torque_range, 0.0);
   return hinge;
 }
 
 Prescribed read_prescribed(const CheckedTable& motion) {
-  Prescribed prescribed{
-      {vector_or_zero(motion, "velocity_m_s"), vector_or_zero(motion, "angular_velocity_rad_s")}};
+  Prescribed prescribed{{vector_or_zero(motion, "velocity_m_s", velocity_range),
+                         vector_or_zero(motion, "angular_velocity_rad_s", rotation_range)}};
   prescribed.start = motion.number("start_s", non_negative, prescribed.start);
   prescribed.end = motion.number("end_s", positive, prescribed.end);
   if (prescribed.end <= prescribed.start) throw motion.error("end_s", "must come after start_s");
@@ -74,7 +77,8 @@ Twist read_twist(const CheckedTable& table, const BodyMotion& motion) {
     throw table.error("velocity_m_s", "follows from the hinge; give angular_velocity_rad_s");
   if (table.has("angular_velocity_rad_s") && prescribed)
     throw table.error("angular_velocity_rad_s", "is prescribed in motion; remove this");
-  const Twist twist{vector_or_zero(table, "velocity_m_s"), vector_or_zero(table, "angular_velocity_rad_s")};
+  const Twist twist{vector_or_zero(table, "velocity_m_s", velocity_range),
+                    vector_or_zero(table, "angular_velocity_rad_s", rotation_range)};
   const Eigen::Vector3d& turning = twist.angular_velocity;
   if (hinge && hinge->axis.cross(turning).norm() > 1e-9 * turning.norm())
     throw table.error("angular_velocity_rad_s", "must be along the axis of the hinge");
@@ -94,7 +98,7 @@ Shape read_body_shape(const CheckedTable& table, const Grid& grid) {
 Body read_body(const CheckedTable& table, const std::vector<Body>& earlier, const Grid& grid) {
   const std::string name = read_name(table, earlier);
   const Shape shape = read_body_shape(table, grid);
-  const double density = table.number("density_kg_m3", positive);
+  const double density = table.number("density_kg_m3", solid_density_range);
   const BodyMotion motion = read_motion(table);
   Body body = make_body(name, shape, density, motion, read_twist(table, motion));
   body.friction = read_solid_friction(table);
@@ -145,8 +149,7 @@ void check_overlaps(const std::vector<CheckedTable>& tables, const std::vector<B
 
 std::vector<Body> read_bodies(const CheckedTable& root, const BodySurroundings& surroundings) {
   std::vector<Body> bodies;
-  if (!root.has("body")) return bodies;
-  const std::vector<CheckedTable> tables = root.tables("body");
+  const std::vector<CheckedTable> tables = up_to_most_tables(root, "body");
   for (const CheckedTable& table : tables) bodies.push_back(read_body(table, bodies, surroundings.grid));
   check_overlaps(tables, bodies, surroundings);
   return bodies;

@@ -1,11 +1,23 @@
 #include "continuum/scene/read_common.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
 #include "continuum/solids/wall.h"
 
 namespace talus {
+
+std::vector<CheckedTable> up_to_most_tables(const CheckedTable& root, std::string_view key) {
+  if (!root.has(key)) return {};
+  std::vector<CheckedTable> tables = root.tables(key);
+  if (tables.size() > most_tables) {
+    throw InputError(fmt::format("{}: has {} tables [[{}]]; at most {}", root.file().string(), tables.size(),
+                                 key, most_tables));
+  }
+  return tables;
+}
 
 double friction_of_angle_deg(double angle) { return std::tan(angle * std::numbers::pi / 180.0); }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "continuum/files/memory.h"
 #include "continuum/solids/body.h"
 #include "continuum/solids/explosion.h"
 #include "continuum/step.h"
@@ -47,8 +48,17 @@ struct Scene {
   std::string broken;  // the name of a deliberate defect (read_solver.h); empty: sound
 };
 
-/// Reads and checks a scene. Throws InputError naming file, line, key, value and what is allowed.
-Scene read_scene(const std::filesystem::path& file);
+/// How large a scene may be. These are what a program takes; tests ask for less.
+struct SceneLimits {
+  double cells = 5e7;
+  double particles = 1e8;  // at the start
+  double render_points = 1e9;
+  double memory = memory_of_machine();  // bytes, that it is expected to need (cost.h)
+};
+
+/// Reads and checks a scene. Throws one InputError with all that is wrong with it, a line each: file, line, key, value and what is
+/// allowed. Of each table only the first fault is found, and none that hangs on what is wrong elsewhere.
+Scene read_scene(const std::filesystem::path& file, const SceneLimits& limits = {});
 
 /// The state at time zero: particles on a jittered lattice in every filling, with their render points. Throws InputError
 /// when a filling holds no particle or two of them overlap.

@@ -15,20 +15,17 @@
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Side_of_triangle_mesh.h>
 #include <CGAL/Surface_mesh.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <assimp/Importer.hpp>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <utility>
 #include <vector>
 
 #include "continuum/files/input_error.h"
+#include "continuum/solids/mesh_file.h"
 
 namespace talus {
 namespace {
@@ -40,7 +37,7 @@ using Point = Kernel::Point_3;
 using Surface = CGAL::Surface_mesh<Point>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_face_graph_triangle_primitive<Surface>>>;
 
-/// Triangles as files have them: nobody knows yet which are neighbours.
+/// The same as in a file (mesh_file.h), in m.
 struct Soup {
   std::vector<Point> points;
   std::vector<std::array<std::size_t, 3>> triangles;
@@ -51,42 +48,19 @@ InputError fault(const std::filesystem::path& file, std::string_view why) {
 }
 
 Soup read_soup(const std::filesystem::path& file, double scale, const Eigen::Vector3d& offset) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension != ".stl" && extension != ".obj")
-    throw fault(file, "is no mesh that can be read here; give an .stl or .obj file");
-  if (!std::filesystem::is_regular_file(file))
-    throw fault(file, "no such file; give the path of an .stl or .obj file");
-
-  Assimp::Importer importer;
-  const aiScene* const scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
-  if (!scene) {
-    throw fault(file, fmt::format("cannot be read as a mesh ({}); export it again as STL or OBJ",
-                                  importer.GetErrorString()));
-  }
+  TriangleSoup read = read_triangles_of_file(file);
   Soup soup;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    const aiMesh& part = *scene->mMeshes[m];
-    const std::size_t first = soup.points.size();
-    for (unsigned v = 0; v < part.mNumVertices; ++v) {
-      const aiVector3D& vertex = part.mVertices[v];
-      const Eigen::Vector3d at = scale * Eigen::Vector3d(vertex.x, vertex.y, vertex.z) + offset;
-      if (!at.allFinite()) {
-        throw fault(file,
-                    fmt::format("has a vertex at ({}, {}, {}); every coordinate must be finite, also after "
-                                "scale and offset; mend the file",
-                                vertex.x, vertex.y, vertex.z));
-      }
-      soup.points.emplace_back(at[0], at[1], at[2]);
+  soup.triangles = std::move(read.triangles);
+  soup.points.reserve(read.points.size());
+  for (const Eigen::Vector3f& vertex : read.points) {
+    const Eigen::Vector3d at = scale * vertex.cast<double>() + offset;
+    if (!at.allFinite()) {
+      throw fault(file,
+                  fmt::format("has a vertex at ({}, {}, {}); every coordinate must be finite, also after "
+                              "scale and offset; mend the file",
+                              vertex[0], vertex[1], vertex[2]));
     }
-    for (unsigned f = 0; f < part.mNumFaces; ++f) {
-      const aiFace& face = part.mFaces[f];
-      if (face.mNumIndices != 3)
-        throw fault(file, "has lines or points beside its triangles; export the surface alone");
-      soup.triangles.push_back(
-          {first + face.mIndices[0], first + face.mIndices[1], first + face.mIndices[2]});
-    }
+    soup.points.emplace_back(at[0], at[1], at[2]);
   }
   return soup;
 }
@@ -94,6 +68,8 @@ Soup read_soup(const std::filesystem::path& file, double scale, const Eigen::Vec
 void join_vertices(Soup& soup) {
   processing::merge_duplicate_points_in_polygon_soup(soup.points, soup.triangles);
   std::erase_if(soup.triangles, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  // CGAL looks for the outermost triangle at the outermost vertex, and reads past its tables where that belongs to none.
+  processing::remove_isolated_points_in_polygon_soup(soup.points, soup.triangles);
 }
 
 void require_area(const std::filesystem::path& file, const Soup& soup) {

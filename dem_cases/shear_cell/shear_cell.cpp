@@ -23,9 +23,9 @@ std::vector<ShearMaterial> read_materials(const CheckedTable& root) {
     materials.push_back({table.string("name"), table.number("rolling_friction", {0.0, 2.0})});
     table.finish();
     const std::string& name = materials.back().name;
-    const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-      return std::isalnum(c) || c == '_';
-    });
+    const bool plain =
+        !name.empty() && name.size() <= 100 &&
+        std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
     if (!plain) throw table.error("name", "must be letters, digits and '_': it names folders and tables");
     if (!seen.insert(name).second) throw table.error("name", "is given twice; give each material once");
   }

@@ -10,13 +10,16 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "analysis/survives.h"
 #include "analysis/xdmf.h"
 
 namespace talus::analysis {
@@ -223,6 +226,35 @@ TEST_F(SnapshotFile, NotFiniteOrInconsistentContent) {
     hdf5.move("frame_000001/positions", "frame_000000/volumes");
   });
   EXPECT_THAT(reading_error(), HasSubstr("not a float table"));
+}
+
+TEST_F(SnapshotFile, ClaimsNoMoreRowsThanTheFileCanHold) {
+  write_snapshots(file, {cloud(0.0, 4)}, "test");
+  spoil(file, [](H5::H5File& hdf5) {  // 24 GB, none of which was ever written
+    constexpr hsize_t shape[] = {1'000'000'000, 3}, chunk[] = {1000, 3};
+    H5::DSetCreatPropList layout;
+    layout.setChunk(2, chunk);
+    hdf5.unlink("frame_000000/positions");
+    hdf5.createDataSet("frame_000000/positions", H5::PredType::IEEE_F64LE, H5::DataSpace(2, shape), layout);
+  });
+  EXPECT_THAT(reading_error(), HasSubstr("claims 1000000000 rows, more than the file can hold"));
+}
+
+// Found by fuzzing: HDF5 1.10 goes round in its global heap for ever.
+TEST_F(SnapshotFile, AFileThatHdf5HangsOverIsAnErrorInSeconds) {
+  fs::copy_file(TALUS_SOURCE_DIR "/tests/analysis/data/hdf5_hangs.h5", file);
+  EXPECT_THAT(reading_error(), HasSubstr("HDF5 crashes or hangs over it"));
+}
+
+TEST(Survives, TellsCrashesAndHangsFromErrors) {
+  EXPECT_TRUE(survives([] {}, 1.0));
+  EXPECT_TRUE(survives([] { throw std::runtime_error("an answer"); }, 1.0));
+  EXPECT_FALSE(survives([] { std::raise(SIGSEGV); }, 1.0));
+  EXPECT_FALSE(survives(
+      [] {
+        for (volatile int spin = 0;;) spin = spin + 1;
+      },
+      1.0));
 }
 
 TEST_F(SnapshotFile, AnotherVersionOrNotComplete) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <variant>
@@ -17,6 +18,13 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double degrees = 180.0 / std::numbers::pi;
+
+/// A file's name may hold anything, and must not end the comment that it stands in.
+std::string one_line(std::string text) {
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return std::iscntrl(c) != 0; }, '?');
+  return text;
+}
 
 std::string text_of(const Vector3d& v) {
   return fmt::format("[{:.17g}, {:.17g}, {:.17g}]", v[0], v[1], v[2]);
@@ -215,7 +223,7 @@ std::string continuum_scene(const dem::Case& a_case, const dem::MaterialConstant
       "# Written from {} ({}), seed {}, by talus-validate.\nschema = 1\n\n[domain]\norigin_m = {}\nsize_m = "
       "{}\n"
       "cell_size_m = {:.17g}\ngravity_m_s2 = [0.0, 0.0, {:.17g}]\n",
-      a_case.file.filename().string(), a_case.point, seed, text_of(layout.lower),
+      one_line(a_case.file.filename().string()), a_case.point, seed, text_of(layout.lower),
       text_of(layout.upper - layout.lower), h, -defects.gravity_factor * protocol.gravity);
   if (layout.plane_strain) text += "periodic = [\"y\"]\n";
   for (const auto& line : layout.sides) text += line;

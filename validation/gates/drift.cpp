@@ -22,6 +22,10 @@ constexpr const char* schema = "talus-baseline";
 constexpr int schema_version = 1;
 
 std::filesystem::path baseline_file(const std::filesystem::path& folder, const std::string& suite) {
+  // The name comes from a suite's file or from stored results, whoever wrote them.
+  if (suite.empty() || suite.front() == '.' || std::filesystem::path(suite).filename() != suite)
+    throw InputError(
+        fmt::format("the suite's name, '{}', must name a file: no '/', and no '.' at its start", suite));
   return folder / (suite + ".json");
 }
 

@@ -82,7 +82,7 @@ std::vector<SuitePoint> read_suite_case(const CheckedTable& table, const Common&
                     .stored = table.boolean("stored", false),
                     .tags = {},
                     .required = {},
-                    .time_limit = table.number("time_limit_s", positive)};
+                    .time_limit = table.number("time_limit_s", {1e-3, 1e7})};
   if (common.refinement && shared.resolution.cells % 2 != 0)
     throw table.error("cells", "must be even: the refinement runs with half as many");
   if (table.has("tags")) {
@@ -173,7 +173,7 @@ Suite read_suite(const std::string& name_or_file) {
   Suite suite;
   suite.file = root.file();
   const auto folder = suite.file.parent_path();
-  suite.name = root.string("name");
+  suite.name = dem::read_folder_name(root, "name");
   suite.title = root.string("title");
   suite.calibration = (folder / root.string("calibration")).lexically_normal();
   suite.input_hash = sha256(read_file(suite.file));

@@ -36,6 +36,20 @@ TEST_F(CheckedTableTest, ReadsWhatIsThere) {
   EXPECT_NO_THROW(table.finish());
 }
 
+TEST_F(CheckedTableTest, RefusesWhatIsNoTextAndWhatIsHuge) {
+  EXPECT_THAT(testing::input_error([&] { parse("a = 1\n[\x01]\n"); }),
+              AllOf(HasSubstr("checked_table.toml:2"), HasSubstr("control character 0x01")));
+  EXPECT_THAT(testing::input_error([&] { parse(std::string("a = '\0'\n", 8)); }), HasSubstr("0x00"));
+  EXPECT_NO_THROW(parse("a = 1\t# tab\r\n"));
+  std::ofstream(file_) << "a = 1\n";
+  std::filesystem::resize_file(file_, 5'000'000'000);  // a hole, which takes no disk
+  EXPECT_THAT(testing::input_error([&] { CheckedTable::parse_file(file_); }),
+              HasSubstr("has 5000 MB; at most 10"));
+  // Nothing that a few bytes can ask for takes long or much.
+  EXPECT_THAT(testing::input_error([&] { parse("a = " + std::string(100'000, '[')); }),
+              HasSubstr("not valid TOML"));
+}
+
 TEST_F(CheckedTableTest, UnknownKeyNamesTheNearestRightOne) {
   const auto table = parse("\ndiameter_mm = 3.0\n");
   table.has("diameter_m");

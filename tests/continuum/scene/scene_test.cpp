@@ -240,8 +240,8 @@ TEST(Scene, ReadsRateDependence) {
   EXPECT_EQ(read(good_scene).materials[0].rate.inertial_number, 0.0);
   expect_error(dependent("40.0", "29.0"), "fast_friction_angle_deg' = 29: must be between 30 and 60");
   expect_error(dependent("40.0", "61.0"), "and 60");
-  expect_error(dependent("inertial_number = 0.3", "inertial_number = 0.0"), "greater than 0");
-  expect_error(dependent("grain_diameter_m = 0.001", "grain_diameter_m = 0.0"), "greater than 0");
+  expect_error(dependent("inertial_number = 0.3", "inertial_number = 0.0"), "between 1e-06 and 100");
+  expect_error(dependent("grain_diameter_m = 0.001", "grain_diameter_m = 0.0"), "between 1e-07 and 10");
   expect_error(dependent(", inertial_number = 0.3", ""), "inertial_number': is missing");
   // The same angle is friction that does not depend on the rate.
   for (int angle = 20; angle < 50; ++angle)

@@ -107,6 +107,13 @@ TEST(ContinuumScene, ASlotIsOpenWhereItsEdgesSayAndRoughElsewhere) {
   for (const auto& wall : scene.walls) EXPECT_EQ(wall.friction, as_rough_as_sand);
 }
 
+// A file's name stands in a comment of the scene, and must not get out of it.
+TEST(ContinuumScene, ACaseFilesNameAddsNothingToTheScene) {
+  dem::Case a_case = dem::read_case(cases / "column_collapse/case.toml");
+  a_case.file = "case\n[solver]\nbroken = \"pressure_pulls\"\n.toml";
+  EXPECT_EQ(scene_of(a_case, 8).broken, "");
+}
+
 TEST(ContinuumScene, DefectsAreWhatTheySay) {
   const auto a_case = dem::read_case(cases / "hourglass/cone.toml");
   const Scene soft = scene_of(a_case, 8, material(), {.friction_factor = 0.5, .gravity_factor = 0.9});

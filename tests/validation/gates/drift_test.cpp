@@ -144,6 +144,14 @@ TEST(Accept, RefusesWhatIsNoResult) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
+// The name comes from stored results, whoever wrote them.
+TEST(Baseline, ANameThatLeadsOutOfTheFolderIsRefused) {
+  for (const std::string name : {"../escaped", "/tmp/escaped", "..", ".hidden", "", "a/b"}) {
+    EXPECT_THAT(testing::input_error([&] { read_baseline("/nowhere", name); }), HasSubstr("must name a file"))
+        << name;
+  }
+}
+
 TEST(Baseline, ADamagedFileIsAnErrorThatNamesIt) {
   const Accepted baseline;
   const auto& folder = baseline.folder.path();

@@ -96,6 +96,8 @@ TEST(Suite, RefusesWhatCannotBeMeant) {
   EXPECT_THAT(error("time_limit_s", "time_limit_min"), HasSubstr("'case[0].time_limit_s': is missing"));
   EXPECT_THAT(error("tiny_column.toml", "absent.toml"), HasSubstr("absent.toml: no such file"));
   EXPECT_THAT(error("schema = 2", "schema = 1"), HasSubstr("schema"));
+  for (const std::string name : {"../escaped", "/tmp/escaped", "..", "", "a/b", "$(reboot)"})
+    EXPECT_THAT(error("name = \"tiny\"", "name = \"" + name + "\""), HasSubstr("letters, digits")) << name;
 }
 
 }  // namespace

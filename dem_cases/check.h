@@ -1,0 +1,28 @@
+// What is wrong or dangerous with a case file, told without writing a deck or starting a code.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "continuum/files/faults.h"
+#include "dem_cases/case.h"
+
+namespace talus::dem {
+
+inline constexpr double least_opening_diameters = 6.0;  // grains arch over narrower ones, and the flow stops
+inline constexpr double fewest_grains = 500.0;          // of fewer, figures scatter by more than codes differ
+
+struct CaseCheck {
+  Faults faults;  // what read_case, read_shear_cell and check_time_step refuse, of all points
+  std::vector<std::string> warnings;  // a line each
+  std::vector<std::string> needs;  // a line for each point: grains, steps, the time step against its limits
+};
+
+/// Of a case file with all its points, or of a shear cell.
+CaseCheck check_case_file(const std::filesystem::path& file);
+
+/// Of one point.
+std::vector<std::string> case_warnings(const Case& a_case);
+
+}  // namespace talus::dem
