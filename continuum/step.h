@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "continuum/faults.h"
+#include "continuum/numerical_faults.h"
 #include "continuum/grid/active_region.h"
 #include "continuum/particles/collide.h"
 #include "continuum/particles/move.h"
@@ -103,7 +103,7 @@ struct StepReport {
 
 /// Advances by one time step of at most `dt_limit` seconds; gates open, explosions go off, and sources send their next layer,
 /// at the end of a step. Render points follow, and change nothing else. Throws NumericalError when the state is not sound
-/// (faults.h), and nothing has changed then; and when a velocity is not finite or the solves stagnate: the state may then be looked
+/// (numerical_faults.h), and nothing has changed then; and when a velocity is not finite or the solves stagnate: the state may then be looked
 /// at, but is not one to step on from: particles are where the density correction put them, and of warm->region only what take_tables
 /// leaves is there. Throws std::invalid_argument, before anything has changed, when the
 /// render points are not those of the particles.

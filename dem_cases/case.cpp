@@ -14,13 +14,14 @@
 #include "continuum/files/checked_table.h"
 #include "continuum/files/faults.h"
 #include "continuum/files/provenance.h"
+#include "dem_cases/falling_sphere.h"
 #include "dem_cases/read_geometry.h"
 
 namespace talus::dem {
 namespace {
 
-constexpr std::array<std::string_view, 6> kinds{
-    "column_collapse", "cylinder_collapse", "heap", "slot", "hourglass", "ledge"};
+constexpr std::array<std::string_view, 7> kinds{
+    "column_collapse", "cylinder_collapse", "heap", "slot", "hourglass", "ledge", "impact"};
 
 /// What can be measured of each kind (measure.h).
 std::vector<std::string_view> observables_of(std::string_view kind) {
@@ -29,6 +30,7 @@ std::vector<std::string_view> observables_of(std::string_view kind) {
   if (kind == "cylinder_collapse")
     return {"runout", "r90", "r95", "mean_radius", "final_height", "stop_time", "profile_L1"};
   if (kind == "slot" || kind == "hourglass") return {"discharge_rate", "beverloo_C"};
+  if (kind == "impact") return {"penetration_depth", "stop_time", "depth_curve_L1"};
   return {"repose_angle", "profile_L1"};
 }
 
@@ -189,6 +191,17 @@ static void check_lift(const HeapGeometry& heap, const Protocol& protocol, const
   }
 }
 
+/// The sphere starts above the bed, so it must be faster at the bed than it gets by falling from there.
+static void check_fall(const ImpactGeometry& impact, const Case& a_case, const CheckedTable& table) {
+  const double slowest = std::sqrt(2.0 * a_case.protocol.gravity * start_clearance * a_case.grains.diameter);
+  if (!(impact.impact_speed > slowest)) {
+    throw table.error(
+        "impact_speed_m_s",
+        fmt::format("must be more than {:.4g}: the sphere starts {} grain diameters above the bed", slowest,
+                    start_clearance));
+  }
+}
+
 namespace {
 
 /// Of whom and of what; nothing of the rest hangs on it.
@@ -226,6 +239,8 @@ void read_tables(const CheckedTable& root, Faults& faults, Case& a_case) {
   read([&] {
     if (const auto* heap = std::get_if<HeapGeometry>(&a_case.geometry))
       check_lift(*heap, a_case.protocol, root.table("geometry"));
+    if (const auto* impact = std::get_if<ImpactGeometry>(&a_case.geometry))
+      check_fall(*impact, a_case, root.table("geometry"));
     check_size(a_case, root.table("grains"), root.table("protocol"));
   });
 }

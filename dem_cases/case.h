@@ -55,8 +55,8 @@ struct Ruler {
 };
 
 struct Case {
-  std::string kind;   // "column_collapse", "cylinder_collapse", "heap", "slot", "hourglass", "ledge"
-  std::string name;   // of the case
+  std::string kind;  // "column_collapse", "cylinder_collapse", "heap", "slot", "hourglass", "ledge", "impact"
+  std::string name;  // of the case
   std::string point;  // which of its parameter points this is, "a_2"
   std::string title;
   Geometry geometry;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "dem_cases/falling_sphere.h"
+
 namespace talus::dem {
 namespace {
 
@@ -71,6 +73,12 @@ struct Build {
         .shells = {}};
   }
 
+  Container operator()(const ImpactGeometry& g) const {
+    Container c = on_square_floor(g.side);  // its edges are walls that the bed leans on
+    for (Plane& plane : c.planes) plane.must_stay_clear = false;
+    return c;
+  }
+
   Container operator()(const HourglassGeometry& g) const {
     const double side = g.bulb_radius + d, top = tube_height(g.height, d);
     return {
@@ -128,6 +136,8 @@ Container container_of(const Case& a_case) {
     const double top = shell.profile.back().y() + shell.rise_speed * a_case.protocol.run_time;
     container.upper.z() = std::max(container.upper.z(), top + a_case.grains.diameter);
   }
+  if (const auto sphere = falling_sphere(a_case))
+    container.upper.z() = std::max(container.upper.z(), sphere->room);
   return container;
 }
 

@@ -14,6 +14,7 @@ struct Volume {
   double operator()(const HeapGeometry& g) const { return pi * g.radius * g.radius * g.height; }
   double operator()(const SlotGeometry& g) const { return g.width * g.thickness * g.height; }
   double operator()(const LedgeGeometry& g) const { return g.length * g.thickness * g.height; }
+  double operator()(const ImpactGeometry& g) const { return g.side * g.side * g.height; }
   double operator()(const HourglassGeometry& g) const {
     const double in_cone = std::min(g.height, g.cone_height);
     const double top =
@@ -44,6 +45,8 @@ double floor_area(const Geometry& geometry) {
       [](const auto& g) {
         if constexpr (requires { g.floor_side; })
           return g.floor_side * g.floor_side;
+        else if constexpr (requires { g.side; })
+          return g.side * g.side;
         else if constexpr (requires { g.rough_floor; })
           return g.rough_floor ? g.tank_length * g.thickness : 0.0;
         else if constexpr (requires { g.opening; })

@@ -61,8 +61,17 @@ struct LedgeGeometry {
   double tank_length;  // where the far wall stands
 };
 
+/// A settled bed in a square box about the z axis, with smooth walls and a rough floor at z = 0, and a sphere that falls on its middle.
+struct ImpactGeometry {
+  double side;
+  double height;  // nominal, of the bed
+  double sphere_diameter;
+  double sphere_density;  // kg/m^3
+  double impact_speed;    // m/s, with which its lowest point passes the nominal height
+};
+
 using Geometry = std::variant<ColumnGeometry, CylinderGeometry, HeapGeometry, SlotGeometry, HourglassGeometry,
-                              LedgeGeometry>;
+                              LedgeGeometry, ImpactGeometry>;
 
 /// Nominal height of the fill, m.
 double fill_height(const Geometry& geometry);

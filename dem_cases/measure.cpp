@@ -6,6 +6,7 @@
 #include "analysis/observables/column_collapse.h"
 #include "analysis/observables/cylinder_collapse.h"
 #include "analysis/observables/discharge.h"
+#include "analysis/observables/impact.h"
 #include "analysis/observables/repose_angle.h"
 
 namespace talus::dem {
@@ -76,6 +77,22 @@ json measure_cylinder(const Case& a_case, const CylinderGeometry& geometry, cons
           {"final_profile", profile_json(m.final_profile)}};
 }
 
+json measure_sphere(const Case& a_case, const ImpactGeometry& geometry, const SnapshotSeries& series,
+                    const analysis::BodyTrack& track) {
+  const auto m = analysis::measure_impact(
+      series, track, {0.5 * geometry.sphere_diameter, geometry.side, a_case.ruler.profile_bin});
+  const auto& o = m.observables;
+  return {{"observables", or_null({{"penetration_depth", o.penetration_depth},
+                                   {"stop_time", o.stop_time},
+                                   {"contact_speed", o.contact_speed},
+                                   {"settled_height", o.settled_height},
+                                   {"settled_volume_fraction", o.settled_volume_fraction},
+                                   {"lost_volume", o.lost_volume},
+                                   {"at_rest", o.at_rest}})},
+          {"curves", {{"time", m.curves.time}, {"depth", m.curves.depth}, {"speed", m.curves.speed}}},
+          {"final_profile", profile_json(m.final_profile)}};
+}
+
 /// In quasi-2-D a code may run another thickness than the case's; figures are those of the case's.
 json measure_outflow(const Case& a_case, const SnapshotSeries& series, double thickness) {
   const double case_thickness = periodic_thickness(a_case.geometry);
@@ -132,10 +149,13 @@ json measure_pile(const Case& a_case, const SnapshotSeries& series, const analys
 
 }  // namespace
 
-json measure(const Case& a_case, const SnapshotSeries& series, double thickness) {
+json measure(const Case& a_case, const SnapshotSeries& series, double thickness,
+             const analysis::BodyTrack& track) {
   const Geometry& geometry = a_case.geometry;
   if (std::holds_alternative<ColumnGeometry>(geometry)) return measure_column(a_case, series, thickness);
   if (const auto* g = std::get_if<CylinderGeometry>(&geometry)) return measure_cylinder(a_case, *g, series);
+  if (const auto* g = std::get_if<ImpactGeometry>(&geometry))
+    return measure_sphere(a_case, *g, series, track);
   if (const auto* g = std::get_if<LedgeGeometry>(&geometry)) {
     return measure_pile(a_case, series,
                         {.shape = analysis::PlanarSlope{0.0, 1.0, 0.0, thickness},

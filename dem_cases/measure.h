@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "analysis/body_track.h"
 #include "analysis/snapshot.h"
 #include "dem_cases/case.h"
 
@@ -14,9 +15,11 @@ namespace talus::dem {
 /// A figure that the series does not give is null.
 /// - column_collapse, cylinder_collapse: analysis/observables/{column,cylinder}_collapse.h
 /// - slot, hourglass: discharge_rate (kg/s, with its ..._error), flatness, residual, emptied_time; of the mass above the opening
+/// - impact: analysis/observables/impact.h; it needs the sphere's track
 /// - ledge, heap: repose_angle (with ..._fit_error, ..._sector_deviation), crest_height; still_leaving, the share of the pile that left
 ///   it over the last tenth of the time; rest_energy, its kinetic energy / (m g d) at the end; at_rest, of both
 /// Throws SnapshotError.
-nlohmann::json measure(const Case& a_case, const analysis::SnapshotSeries& series, double thickness);
+nlohmann::json measure(const Case& a_case, const analysis::SnapshotSeries& series, double thickness,
+                       const analysis::BodyTrack& track = {});
 
 }  // namespace talus::dem

@@ -97,6 +97,16 @@ Geometry read_ledge(const CheckedTable& table, const Grains& grains) {
   return g;
 }
 
+Geometry read_impact(const CheckedTable& table, const Grains& grains) {
+  const ImpactGeometry g{.side = length(table, "side_m", grains, 8.0),
+                         .height = length(table, "height_m", grains, 4.0),
+                         .sphere_diameter = length(table, "sphere_diameter_m", grains, 2.0),
+                         .sphere_density = table.number("sphere_density_kg_m3", {100.0, 30000.0}),
+                         .impact_speed = table.number("impact_speed_m_s", {0.01, 100.0})};
+  require_room(table, "side_m", g.side, g.sphere_diameter, "about the sphere", grains);
+  return g;
+}
+
 }  // namespace
 
 Geometry read_geometry(const CheckedTable& table, std::string_view kind, const Grains& grains) {
@@ -105,6 +115,7 @@ Geometry read_geometry(const CheckedTable& table, std::string_view kind, const G
                     : kind == "heap"              ? read_heap
                     : kind == "slot"              ? read_slot
                     : kind == "hourglass"         ? read_hourglass
+                    : kind == "impact"            ? read_impact
                                                   : read_ledge;
   Geometry geometry = read(table, grains);
   table.finish();

@@ -16,7 +16,9 @@ TimeStepCheck check_time_step(const Case& column) {
   // the height of the fill and down to the lowest floor.
   const double height = fill_height(column.geometry);
   const double fall = std::max(2.0 * height, height - container_of(column).lowest);
-  const double largest_speed = std::sqrt(2.0 * column.protocol.gravity * fall);
+  double largest_speed = std::sqrt(2.0 * column.protocol.gravity * fall);
+  if (const auto* impact = std::get_if<ImpactGeometry>(&column.geometry))
+    largest_speed = std::max(largest_speed, impact->impact_speed);
   return check_time_step(column.grains, column.protocol.time_step, largest_speed, column.file);
 }
 

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
+#include "analysis/body_track.h"
 #include "analysis/snapshot.h"
 #include "continuum/files/atomic_file.h"
 #include "validation/backends/continuum.h"
@@ -45,6 +48,24 @@ PictureOptions options_for(const json& point, const json& run) {
   return options;
 }
 
+/// Where a falling sphere is at the picture's moments, from the track beside the snapshots: [{x, z, radius}], m. Nothing for other cases.
+json sphere_at_moments(const json& point, const json& picture, const std::filesystem::path& folder) {
+  const auto& geometry = point.at("parameters").at("geometry");
+  if (!geometry.contains("sphere_diameter_m")) return nullptr;
+  const auto track = analysis::read_body_track(folder / analysis::body_track_file);
+  json places = json::array();
+  for (const auto& moment : picture.at("moments")) {
+    const auto from = [&](const analysis::BodyMoment& row) {
+      return std::abs(row.time - moment.at("time").get<double>());
+    };
+    const auto& row = *std::ranges::min_element(track, {}, from);
+    places.push_back({{"x", row.position.x()},
+                      {"z", row.position.z()},
+                      {"radius", 0.5 * geometry.at("sphere_diameter_m").get<double>()}});
+  }
+  return places;
+}
+
 }  // namespace
 
 json pictures_of(const json& results, const std::filesystem::path& output,
@@ -58,7 +79,10 @@ json pictures_of(const json& results, const std::filesystem::path& output,
       auto file = snapshots_below(output / "runs", point, run);
       if (!file && run.at("origin") == "ensemble") file = snapshots_below(reference_runs, point, run);
       if (!file) continue;
-      pictures.push_back(picture_of_series(analysis::read_snapshots(*file), options_for(point, run)));
+      json picture = picture_of_series(analysis::read_snapshots(*file), options_for(point, run));
+      if (json sphere = sphere_at_moments(point, picture, file->parent_path()); !sphere.is_null())
+        picture["sphere"] = std::move(sphere);
+      pictures.push_back(std::move(picture));
       drawn.insert(code);
     }
   }

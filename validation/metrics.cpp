@@ -9,6 +9,7 @@
 #include "analysis/statistics/model_bias.h"
 #include "validation/backends/continuum.h"
 #include "validation/corrected.h"
+#include "validation/gates/profile_distance.h"
 #include "validation/gates/values.h"
 
 namespace talus::validation {
@@ -121,7 +122,7 @@ json suite_metrics(const json& results) {
   for (const auto& point : results.at("points")) {
     for (const auto& row : point.at("truth")) {
       const std::string observable = row.at("observable");
-      if (observable == "profile_L1" || observable == "at_rest" || !row.at("deviation").is_number() ||
+      if (is_distance(observable) || observable == "at_rest" || !row.at("deviation").is_number() ||
           row.at("unfit") == true)
         continue;  // a distance has no bias
       Comparisons& comparisons = found[observable];

@@ -3,6 +3,8 @@
 #include <numbers>
 #include <variant>
 
+#include "validation/gates/profile_distance.h"
+
 namespace talus::validation {
 namespace {
 
@@ -39,6 +41,13 @@ struct GeometryJson {
             {"height_m", g.height},
             {"bulb_height_m", g.bulb_height}};
   }
+  json operator()(const dem::ImpactGeometry& g) const {
+    return {{"side_m", g.side},
+            {"height_m", g.height},
+            {"sphere_diameter_m", g.sphere_diameter},
+            {"sphere_density_kg_m3", g.sphere_density},
+            {"impact_speed_m_s", g.impact_speed}};
+  }
   json operator()(const dem::LedgeGeometry& g) const {
     return {{"length_m", g.length},
             {"height_m", g.height},
@@ -64,6 +73,7 @@ json ruler_json(const dem::Case& a_case) {
 std::string family_of(const dem::Case& a_case) {
   if (a_case.kind.ends_with("collapse")) return "column collapse";
   if (a_case.kind == "slot" || a_case.kind == "hourglass") return "hourglass";
+  if (a_case.kind == "impact") return "impact";
   return "pile angle";
 }
 
@@ -71,7 +81,8 @@ std::string unit_of(const dem::Case& a_case, const std::string& observable) {
   if (observable == "discharge_rate") return "kg/s";
   if (observable == "repose_angle") return "deg";
   if (observable == "stop_time") return "s";
-  if (observable == "profile_L1" || observable == "beverloo_C") return "1";
+  if (observable == "penetration_depth") return "m";
+  if (is_distance(observable) || observable == "beverloo_C") return "1";
   return a_case.kind == "cylinder_collapse" ? "R0" : "L0";
 }
 

@@ -1,6 +1,7 @@
 #include "dem_cases/liggghts/liggghts.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include "continuum/files/checked_table.h"
 #include "continuum/files/process.h"
 #include "dem_cases/container.h"
+#include "dem_cases/falling_sphere.h"
 #include "dem_cases/grain_dump.h"
 #include "dem_cases/time_step.h"
 
@@ -21,7 +23,9 @@ constexpr std::string_view data_file = "packing.data";
 constexpr std::string_view log_name = "log.liggghts";
 
 /// What a sphere or a wall is made of; LIGGGHTS numbers these "atom types" from 1.
-enum Material { column_grain, floor_grain, wall, flat_floor, material_count };
+enum Material { column_grain, floor_grain, wall, flat_floor, falling_ball };
+
+int material_count(const Case& a_case) { return falling_sphere(a_case) ? falling_ball + 1 : flat_floor + 1; }
 
 double friction_between(const Contact& contact, int a, int b) {
   return a == wall || b == wall ? contact.wall_friction : contact.friction;
@@ -44,17 +48,18 @@ std::vector<std::string> on_one_core(const std::filesystem::path& program,
 }
 
 template <class Function>
-std::string pair_table(const Contact& contact, Function value) {
-  std::string text = fmt::format("{}", static_cast<int>(material_count));
-  for (int a = 0; a < material_count; ++a) {
-    for (int b = 0; b < material_count; ++b) text += fmt::format(" {}", value(contact, a, b));
+std::string pair_table(const Case& a_case, Function value) {
+  const int count = material_count(a_case);
+  std::string text = fmt::format("{}", count);
+  for (int a = 0; a < count; ++a) {
+    for (int b = 0; b < count; ++b) text += fmt::format(" {}", value(a_case.contact, a, b));
   }
   return text;
 }
 
-std::string per_material(double value) {
+std::string per_material(const Case& a_case, double value) {
   std::string text;
-  for (int material = 0; material < material_count; ++material) text += fmt::format(" {}", value);
+  for (int material = 0; material < material_count(a_case); ++material) text += fmt::format(" {}", value);
   return text;
 }
 
@@ -65,7 +70,7 @@ std::string data_text(const Case& a_case, const Packing& packing) {
   std::string text = fmt::format(
       "packing of case {} for seed {}, made by talus\n\n{} atoms\n{} atom types\n"
       "{} {} xlo xhi\n{:.17g} {:.17g} ylo yhi\n{} {} zlo zhi\n\nAtoms\n\n",
-      a_case.name, packing.seed, packing.count(), static_cast<int>(material_count), container.lower.x(),
+      a_case.name, packing.seed, packing.count(), material_count(a_case), container.lower.x(),
       container.upper.x(), container.lower.y(), container.upper.y(), container.lower.z(), top);
   for (Eigen::Index i = 0; i < packing.count(); ++i) {  // id type diameter density x y z
     const auto& p = packing.positions;
@@ -101,18 +106,17 @@ std::string stl_text(const Shell& shell) {
 
 std::string contact_law(const Case& a_case) {
   const Grains& grains = a_case.grains;
-  const Contact& contact = a_case.contact;
   const auto restitution = [](const Contact& law, int, int) { return law.restitution; };
   return fmt::format("fix modulus all property/global youngsModulus peratomtype{}\n",
-                     per_material(grains.youngs_modulus)) +
+                     per_material(a_case, grains.youngs_modulus)) +
          fmt::format("fix poisson all property/global poissonsRatio peratomtype{}\n",
-                     per_material(grains.poissons_ratio)) +
+                     per_material(a_case, grains.poissons_ratio)) +
          fmt::format("fix restitution all property/global coefficientRestitution peratomtypepair {}\n",
-                     pair_table(contact, restitution)) +
+                     pair_table(a_case, restitution)) +
          fmt::format("fix friction all property/global coefficientFriction peratomtypepair {}\n",
-                     pair_table(contact, friction_between)) +
+                     pair_table(a_case, friction_between)) +
          fmt::format("fix rolling all property/global coefficientRollingFriction peratomtypepair {}\n",
-                     pair_table(contact, rolling_friction_between)) +
+                     pair_table(a_case, rolling_friction_between)) +
          fmt::format("pair_style gran {} limitForce on\npair_coeff * *\n", model);
 }
 
@@ -150,9 +154,30 @@ std::string release(const Container& container) {
   return text;
 }
 
+/// A sphere like the others, but for its size and density, that joins the grains; and its track, as analysis/body_track.h has it.
+std::string ball(const FallingSphere& sphere, const Packing& packing, std::int64_t every) {
+  const auto place =
+      fmt::format("{:.17g} {:.17g} {:.17g}", sphere.centre.x(), sphere.centre.y(), sphere.centre.z());
+  std::string text = fmt::format(
+      "create_atoms {0} single {1} units box\n"
+      "set type {0} diameter {2:.17g} density {3:.17g} vz {4:.17g}\n"
+      "group mobile type {0}\n",
+      falling_ball + 1, place, 2.0 * sphere.radius, sphere.density, -sphere.speed);
+  text += "variable time equal step*dt\n";
+  for (const auto name : {"x", "y", "z", "vx", "vy", "vz"})
+    text += fmt::format("variable ball_{0} equal {0}[{1}]\n", name, packing.count() + 1);
+  const std::string_view row = "${time},ball,${ball_x},${ball_y},${ball_z},${ball_vx},${ball_vy},${ball_vz}";
+  return text +
+         fmt::format(
+             "print \"time_s,body,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s\" file {0} screen no\n"
+             "fix track all print {1} \"{2}\" append {0} screen no title \"0,ball,{3},0,0,{4:.17g}\"\n",
+             analysis::body_track_file, every, row, fmt::join(sphere.centre, ","), -sphere.speed);
+}
+
 std::string deck_text(const Case& a_case, const Packing& packing) {
   const StepSchedule schedule = step_schedule(a_case);
   const Container container = container_of(a_case);
+  const auto sphere = falling_sphere(a_case);
   std::string text = fmt::format(
       "# case {}, point {}; written by talus\n"
       "atom_style granular\n"
@@ -164,8 +189,10 @@ std::string deck_text(const Case& a_case, const Packing& packing) {
       "read_data {}\n"
       "neighbor {:.17g} bin\n"
       "neigh_modify delay 0\n"
-      "group mobile type 1\n",
-      a_case.name, a_case.point, container.periodic ? "p" : "f", data_file, 0.3 * a_case.grains.diameter);
+      "group mobile type 1\n"
+      "{}",
+      a_case.name, a_case.point, container.periodic ? "p" : "f", data_file, 0.3 * a_case.grains.diameter,
+      sphere ? "group bed type 1\n" : "");
   if (packing.fixed_count > 0) text += "group fixed type 2\nneigh_modify exclude group fixed fixed\n";
   text += contact_law(a_case);
   text += fmt::format("timestep {:.17g}\n", a_case.protocol.time_step);
@@ -181,6 +208,7 @@ std::string deck_text(const Case& a_case, const Packing& packing) {
   };
   text += "variable now equal step\n" + tell("settling", "file");
   text += fmt::format("run {}\n", schedule.settle) + release(container) + tell("running", "append");
+  if (sphere) text += ball(*sphere, packing, schedule.per_snapshot);
   // Of the first and the last moment: places of the two centres, their ids, force on the first.
   text += fmt::format(
       "compute contacts all pair/gran/local pos id force\n"
@@ -188,10 +216,10 @@ std::string deck_text(const Case& a_case, const Packing& packing) {
       "c_contacts[6] c_contacts[7] c_contacts[8] c_contacts[10] c_contacts[11] c_contacts[12]\n",
       schedule.run(), contacts_file);
   text += fmt::format(
-      "dump grains mobile custom {} {} id x y z vx vy vz\n"
+      "dump grains {} custom {} {} id x y z vx vy vz\n"
       "dump_modify grains sort id format \"%d %.10g %.10g %.10g %.10g %.10g %.10g\"\n"
       "run {}\n",
-      schedule.per_snapshot, dump_file, schedule.run());
+      sphere ? "bed" : "mobile", schedule.per_snapshot, dump_file, schedule.run());
   return text;
 }
 
@@ -211,7 +239,8 @@ std::string version() {
 void write_input(const Case& column, const Packing& packing, const std::filesystem::path& folder) {
   check_time_step(column);
   make_writable_folder(folder);
-  for (const auto stale : {dump_file, contacts_file, progress_file, log_name, log_file})
+  for (const auto stale : {std::string_view(analysis::body_track_file), dump_file, contacts_file,
+                           progress_file, log_name, log_file})
     std::filesystem::remove(folder / stale);
   write_file_atomically(folder / data_file, data_text(column, packing));
   for (const Shell& shell : container_of(column).shells)

@@ -47,6 +47,7 @@ std::vector<Floor> floors_of(const Geometry& geometry) {
   }
   if (const auto* g = std::get_if<CylinderGeometry>(&geometry)) return square(g->floor_side);
   if (const auto* g = std::get_if<HeapGeometry>(&geometry)) return square(g->floor_side);
+  if (const auto* g = std::get_if<ImpactGeometry>(&geometry)) return square(g->side);
   if (const auto* g = std::get_if<LedgeGeometry>(&geometry))
     return {{0.0, g->length, 0.0, g->thickness, true}};
   if (const auto* g = std::get_if<SlotGeometry>(&geometry)) {
@@ -89,14 +90,19 @@ FillRegion within_radius(double radius) {
 }
 
 FillRegion fill_region(const Geometry& geometry) {
-  const auto box = [](double length, double thickness) {
-    return FillRegion{{0.0, 0.0}, {length, thickness}, [](const Eigen::Vector3d&) { return true; }};
+  const auto everywhere = [](const Eigen::Vector3d&) { return true; };
+  const auto box = [&](double length, double thickness) {
+    return FillRegion{{0.0, 0.0}, {length, thickness}, everywhere};
   };
   if (const auto* g = std::get_if<ColumnGeometry>(&geometry)) return box(g->column_length, g->thickness);
   if (const auto* g = std::get_if<SlotGeometry>(&geometry)) return box(g->width, g->thickness);
   if (const auto* g = std::get_if<LedgeGeometry>(&geometry)) return box(g->length, g->thickness);
   if (const auto* g = std::get_if<CylinderGeometry>(&geometry)) return within_radius(g->radius);
   if (const auto* g = std::get_if<HeapGeometry>(&geometry)) return within_radius(g->radius);
+  if (const auto* g = std::get_if<ImpactGeometry>(&geometry)) {
+    const Eigen::Vector2d corner = Eigen::Vector2d::Constant(0.5 * g->side);
+    return {-corner, corner, everywhere};
+  }
   const auto& g = std::get<HourglassGeometry>(geometry);
   FillRegion region = within_radius(g.bulb_radius);
   region.holds = [g](const Eigen::Vector3d& point) {

@@ -9,6 +9,7 @@
 #include "analysis/snapshot.h"
 #include "continuum/files/checked_table.h"
 #include "continuum/files/provenance.h"
+#include "dem_cases/falling_sphere.h"
 #include "dem_cases/grain_dump.h"
 #include "dem_cases/liggghts/liggghts.h"
 #include "dem_cases/measure.h"
@@ -112,7 +113,8 @@ PlannedRun planned_run(const Case& a_case, const std::string& code_name, std::ui
   run.failure_text = code.failure_text;
   run.measure = [a_case, named = run](const auto& folder) {
     const auto series = read_grain_dump(a_case, make_packing(a_case, named.seed), folder);
-    nlohmann::json measured = measure(a_case, series, periodic_thickness(a_case.geometry));
+    nlohmann::json measured =
+        measure(a_case, series, periodic_thickness(a_case.geometry), read_track(a_case, folder));
     measured["grains"] = series.front().volumes.size();
     keep_snapshots(series, named, folder);
     return measured;
@@ -140,7 +142,8 @@ std::vector<std::filesystem::path> gravity_case_files() {
   const std::filesystem::path cases = TALUS_CASE_FOLDER;
   return {cases / "column_collapse/case.toml", cases / "column_collapse/cylinder.toml",
           cases / "hourglass/case.toml",       cases / "hourglass/cone.toml",
-          cases / "pile_angle/case.toml",      cases / "pile_angle/heap.toml"};
+          cases / "pile_angle/case.toml",      cases / "pile_angle/heap.toml",
+          cases / "impact/case.toml"};
 }
 
 std::filesystem::path slot_case_file() {

@@ -11,6 +11,7 @@
 #include "continuum/files/checked_table.h"
 #include "continuum/files/process.h"
 #include "dem_cases/container.h"
+#include "dem_cases/falling_sphere.h"
 #include "dem_cases/grain_dump.h"
 #include "dem_cases/time_step.h"
 #include "dem_cases/yade/rolling.h"
@@ -19,6 +20,7 @@ namespace talus::dem::yade {
 namespace {
 
 constexpr std::string_view script_file = "gravity_flow.py";
+constexpr std::string_view ball_file = "falling_ball.py";
 constexpr std::string_view parameters_file = "parameters.json";
 constexpr std::string_view packing_file = "packing.txt";
 
@@ -65,7 +67,7 @@ nlohmann::json parameters(const Case& column, const Packing& packing) {
   const Container container = container_of(column);
   Eigen::Vector3d upper = container.upper;
   upper.z() = std::max(upper.z(), packing.top() + 4.0 * column.grains.diameter);
-  return {
+  nlohmann::json all{
       {"case", column.name},
       {"point", column.point},
       {"seed", packing.seed},
@@ -91,6 +93,13 @@ nlohmann::json parameters(const Case& column, const Packing& packing) {
       {"steps_per_snapshot", schedule.per_snapshot},
       {"snapshot_count", schedule.snapshot_count},
   };
+  if (const auto sphere = falling_sphere(column)) {
+    all["sphere"] = {{"radius_m", sphere->radius},
+                     {"density_kg_m3", sphere->density},
+                     {"centre_m", point(sphere->centre)},
+                     {"speed_m_s", sphere->speed}};
+  }
+  return all;
 }
 
 std::string packing_text(const Packing& packing) {
@@ -101,6 +110,17 @@ std::string packing_text(const Packing& packing) {
     text += fmt::format("{:.17g}\n", packing.radii[i]);
   }
   return text;
+}
+
+/// An impact's is the others' with the sphere added between the release and the run.
+std::string script_text(const Case& a_case) {
+  const std::filesystem::path scripts = TALUS_YADE_SCRIPT_FOLDER;
+  std::string text = read_file(scripts / script_file);
+  if (!falling_sphere(a_case)) return text;
+  const auto place = text.find("with open('grains.dump', 'w')");
+  if (place == std::string::npos)
+    throw InputError(fmt::format("{}: has no line that opens grains.dump", (scripts / script_file).string()));
+  return text.insert(place, read_file(scripts / ball_file));
 }
 
 }  // namespace
@@ -119,12 +139,12 @@ std::string version() {
 void write_input(const Case& column, const Packing& packing, const std::filesystem::path& folder) {
   check_time_step(column);
   make_writable_folder(folder);
-  for (const auto stale : {dump_file, contacts_file, progress_file, log_file})
+  for (const auto stale :
+       {std::string_view(analysis::body_track_file), dump_file, contacts_file, progress_file, log_file})
     std::filesystem::remove(folder / stale);
   write_file_atomically(folder / packing_file, packing_text(packing));
   write_file_atomically(folder / parameters_file, parameters(column, packing).dump(2) + "\n");
-  write_file_atomically(folder / script_file,
-                        read_file(std::filesystem::path(TALUS_YADE_SCRIPT_FOLDER) / script_file));
+  write_file_atomically(folder / script_file, script_text(column));
 }
 
 std::vector<std::string> command() {

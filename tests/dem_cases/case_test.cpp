@@ -72,6 +72,18 @@ TEST(Case, EveryCaseThatComesWithTalusIsGood) {
   }
 }
 
+TEST(Case, AnImpactIsFasterThanTheFallToTheBed) {
+  const TestFolder folder;
+  const auto file = folder.path() / "slow.toml";
+  const auto text = read_file(TALUS_SOURCE_DIR "/tests/dem_cases/data/tiny_impact.toml");
+  write_file_atomically(file, replaced(text, "impact_speed_m_s = 0.7", "impact_speed_m_s = 0.39"));
+  EXPECT_THAT(input_error([&] { read_case(file); }),
+              ::testing::AllOf(HasSubstr("slow.toml:19: key 'geometry.impact_speed_m_s' = 0.39"),
+                               HasSubstr("more than 0.3962")));
+  write_file_atomically(file, replaced(text, "side_m = 0.04", "side_m = 0.019"));
+  EXPECT_THAT(input_error([&] { read_case(file); }), HasSubstr("geometry.side_m"));
+}
+
 struct Mistake {
   const char* name;
   const char* from;

@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "analysis/snapshot.h"
+#include "dem_cases/falling_sphere.h"
 #include "dem_cases/packing/packing.h"
 #include "tests/dem_cases/case_files.h"
 
@@ -65,7 +67,7 @@ TEST_P(EachKind, BoxHoldsTheWholeContainer) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, EachKind,
                          ::testing::Values("column", "cylinder_collapse", "heap", "slot", "hourglass",
-                                           "ledge"),
+                                           "ledge", "impact"),
                          [](const auto& instance) { return instance.param; });
 
 TEST(Container, RisingTubeStaysInItsBox) {
@@ -74,6 +76,38 @@ TEST(Container, RisingTubeStaysInItsBox) {
   const double top = container.shells.front().profile.back().y() +
                      std::get<HeapGeometry>(heap.geometry).lift_speed * heap.protocol.run_time;
   EXPECT_GT(container.upper.z(), top);
+}
+
+// The sphere and what it throws up.
+TEST(Container, BoxHasRoomForAFallingSphere) {
+  const Case impact = read_case(data / "tiny_impact.toml");
+  const auto sphere = falling_sphere(impact);
+  ASSERT_TRUE(sphere);
+  const Container container = container_of(impact);
+  EXPECT_GT(container.upper.z(), sphere->centre.z() + sphere->radius);
+  EXPECT_EQ(container.upper.z(), sphere->room);
+  EXPECT_FALSE(falling_sphere(read_case(data / "tiny_heap.toml")));
+}
+
+// It has the case's speed where its lowest point passes the nominal height.
+TEST(FallingSphere, IsAsFastAtTheBedAsTheCaseSays) {
+  const Case impact = read_case(data / "tiny_impact.toml");
+  const auto& geometry = std::get<ImpactGeometry>(impact.geometry);
+  const auto sphere = falling_sphere(impact);
+  const double fall = sphere->centre.z() - sphere->radius - geometry.height;
+  EXPECT_NEAR(fall, 0.008, 1e-12);
+  EXPECT_NEAR(std::sqrt(sphere->speed * sphere->speed + 2.0 * 9.81 * fall), geometry.impact_speed, 1e-12);
+}
+
+TEST(FallingSphere, TrackThatEndsTooSoonIsRefused) {
+  const TestFolder folder;
+  const Case impact = read_case(data / "tiny_impact.toml");
+  const std::string start = "time_s,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s\n0,0,0,0,0,0,0\n";
+  write_file_atomically(folder.path() / analysis::body_track_file, start + "0.17,0,0,0,0,0,0\n");
+  EXPECT_THROW(read_track(impact, folder.path()), analysis::SnapshotError);
+  write_file_atomically(folder.path() / analysis::body_track_file, start + "0.18,0,0,0,0,0,0\n");
+  EXPECT_EQ(read_track(impact, folder.path()).size(), 2u);
+  EXPECT_TRUE(read_track(read_case(data / "tiny_heap.toml"), "/nowhere").empty());
 }
 
 TEST(Container, FindsLeaks) {

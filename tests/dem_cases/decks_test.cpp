@@ -25,6 +25,8 @@ class Decks : public ::testing::Test {
     parameters_ = nlohmann::json::parse(read_file(folder_.path() / "yade/parameters.json"));
   }
 
+  std::string script() const { return read_file(folder_.path() / "yade/gravity_flow.py"); }
+
   TestFolder folder_;
   Case column_;
   Packing packing_;
@@ -84,6 +86,27 @@ TEST_F(Decks, LiggghtsHasTheContactLaw) {
   EXPECT_THAT(deck_, HasSubstr("run 10000\nunfix gate\n"));
   EXPECT_THAT(deck_, HasSubstr("run 20000\n"));
   EXPECT_THAT(deck_, Not(HasSubstr("zplane")));
+}
+
+// One material more, that of the ball, with the grains' law; it joins the grains at the release.
+TEST_F(Decks, BothAreToldOfAFallingSphere) {
+  EXPECT_THAT(deck_, Not(HasSubstr("create_atoms")));
+  EXPECT_FALSE(parameters_.contains("sphere"));
+  EXPECT_EQ(script(), read_file(TALUS_SOURCE_DIR "/dem_cases/yade/gravity_flow.py"));
+  column_ = read_case(TALUS_SOURCE_DIR "/tests/dem_cases/data/tiny_impact.toml");
+  packing_ = make_packing(column_, 1);
+  write();
+  EXPECT_THAT(deck_, HasSubstr("coefficientRestitution peratomtypepair 5 0.5 0.5 0.5 0.5 0.5 "));
+  EXPECT_THAT(deck_, HasSubstr("coefficientFriction peratomtypepair 5 0.5 0.5 0 0.5 0.5 "));
+  EXPECT_THAT(deck_, HasSubstr("0.5 0.5 0 0.5 0.5\nfix rolling"));  // the ball's row
+  EXPECT_THAT(deck_, HasSubstr("create_atoms 5 single 0 0 0.034"));
+  EXPECT_THAT(deck_, HasSubstr("set type 5 diameter 0.012 density 7800 vz -0.5770"));
+  EXPECT_THAT(deck_, HasSubstr("dump grains bed custom"));
+  EXPECT_LT(deck_.find("reset_timestep 0"), deck_.find("create_atoms"));
+  EXPECT_NEAR(parameters_["sphere"]["speed_m_s"], 0.5771, 1e-4);
+  EXPECT_EQ(parameters_["sphere"]["centre_m"][2], 0.034);
+  EXPECT_LT(script().find("erase(body)"), script().find("'ball'"));
+  EXPECT_LT(script().find("'ball'"), script().find("with open('grains.dump'"));
 }
 
 TEST_F(Decks, YadeHasTheContactLaw) {

@@ -10,6 +10,7 @@
 #include "continuum/files/input_error.h"
 #include "continuum/files/process.h"
 #include "continuum/files/provenance.h"
+#include "dem_cases/falling_sphere.h"
 #include "dem_cases/measure.h"
 #include "dem_cases/reference/plan.h"
 
@@ -89,7 +90,8 @@ nlohmann::json measure_run(const ContinuumRequest& request, const std::filesyste
   check_nothing_lost(series);
   check_clear_of_edges(request.a_case, series);
   const double thickness = cell_size(request.a_case, request.resolution.cells);
-  nlohmann::json measured = dem::measure(request.a_case, series, thickness);
+  nlohmann::json measured =
+      dem::measure(request.a_case, series, thickness, dem::read_track(request.a_case, folder));
   measured["solver"] = nlohmann::json::parse(read_file(folder / "run.json")).at("budget");
   measured["count"] = series.back().volumes.size();
   measured["time_step_s"] = measured["solver"].at("longest_step_s");

@@ -7,10 +7,12 @@
 #include <cctype>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <variant>
 #include <vector>
 
 #include "continuum/files/input_error.h"
+#include "dem_cases/falling_sphere.h"
 
 namespace talus::validation {
 namespace {
@@ -45,6 +47,7 @@ struct Layout {
   std::vector<std::string> sides;  // lines of [domain]
   std::vector<std::string> walls;  // tables [[wall]]
   std::string sand;                // shape of [[sand]]
+  std::string bodies = {};         // tables [[body]]
 };
 
 std::string side(const char* name, const std::string& surface) {
@@ -74,6 +77,7 @@ struct LayOut {
   std::string flat_floor;  // that of flat floors
   std::string rough;       // that of floors of fixed grains
   std::string file;
+  std::optional<dem::FallingSphere> sphere;
 
   Layout operator()(const dem::ColumnGeometry& g) const {
     if (!g.rough_floor) {
@@ -129,6 +133,18 @@ struct LayOut {
             .sand = box(Vector3d::Zero(), {g.length, h, g.height})};
   }
 
+  Layout operator()(const dem::ImpactGeometry& g) const {
+    const double half = 0.5 * g.side;
+    return {.lower = {-half, -half, 0.0},
+            .upper = {half, half, whole_cells(sphere->room, h)},
+            .plane_strain = false,
+            .sides = {side("x_lower", smooth), side("x_upper", smooth), side("y_lower", smooth),
+                      side("y_upper", smooth), side("z_lower", rough)},
+            .walls = {},
+            .sand = box({-half, -half, 0.0}, {half, half, g.height}),
+            .bodies = ball(*sphere)};
+  }
+
   Layout operator()(const dem::HourglassGeometry& g) const {
     const double half = whole_cells(g.bulb_radius, h) + h, top = whole_cells(g.height, h) + 2.0 * h;
     const std::vector<Eigen::Vector2d> glass{
@@ -146,6 +162,15 @@ struct LayOut {
             .sides = {},
             .walls = {wall(turned(glass, true), smooth)},
             .sand = turned(fill, false)};
+  }
+
+ private:
+  /// None of its contacts carries more than the contacts' own friction, and so the whole surface does not either.
+  std::string ball(const dem::FallingSphere& s) const {
+    return fmt::format(
+        "\n[[body]]\nname = \"ball\"\nshape = {{ kind = \"sphere\", centre_m = {}, radius_m = {:.17g} }}\n"
+        "density_kg_m3 = {:.17g}\nvelocity_m_s = {}\n{}\n",
+        text_of(s.centre), s.radius, s.density, text_of({0.0, 0.0, -s.speed}), flat_floor);
   }
 };
 
@@ -173,7 +198,8 @@ Layout layout_of(const dem::Case& a_case, double h, const Defects& defects) {
   const double factor = defects.walls_have_friction ? 1.0 : 0.0;
   return std::visit(
       LayOut{h, friction(factor * a_case.contact.wall_friction), friction(factor * a_case.contact.friction),
-             defects.walls_have_friction ? "rough = true" : friction(0.0), a_case.file.string()},
+             defects.walls_have_friction ? "rough = true" : friction(0.0), a_case.file.string(),
+             dem::falling_sphere(a_case)},
       a_case.geometry);
 }
 
@@ -186,7 +212,8 @@ Size size_of(const dem::Case& a_case, const ContinuumResolution& resolution) {
   const double h = cell_size(a_case, resolution.cells), g = a_case.protocol.gravity;
   const double thickness = dem::periodic_thickness(a_case.geometry);
   const double volume = dem::fill_volume(a_case.geometry) * (thickness > 0.0 ? h / thickness : 1.0);
-  const double fastest = std::sqrt(2.0 * g * dem::fill_height(a_case.geometry));
+  double fastest = std::sqrt(2.0 * g * dem::fill_height(a_case.geometry));
+  if (const auto* impact = std::get_if<dem::ImpactGeometry>(&a_case.geometry)) fastest = impact->impact_speed;
   const double step = resolution.courant_factor * std::min(0.25 * std::sqrt(h / g), 0.4 * h / fastest);
   return {volume / std::pow(h, 3) * std::pow(resolution.particles_per_cell_axis, 3),
           a_case.protocol.run_time / step};
@@ -202,6 +229,7 @@ double cell_length(const dem::Case& a_case) {
     double operator()(const dem::SlotGeometry& g) const { return g.opening; }
     double operator()(const dem::HourglassGeometry& g) const { return 2.0 * g.throat_radius; }
     double operator()(const dem::LedgeGeometry& g) const { return g.length; }
+    double operator()(const dem::ImpactGeometry& g) const { return g.sphere_diameter; }
   };
   return std::visit(Length{}, a_case.geometry);
 }
@@ -210,6 +238,8 @@ double cell_size(const dem::Case& a_case, int cells) {
   const double h = cell_length(a_case) / cells;
   if (const auto* slot = std::get_if<dem::SlotGeometry>(&a_case.geometry))
     return slot->width / std::round(slot->width / h);
+  if (const auto* impact = std::get_if<dem::ImpactGeometry>(&a_case.geometry))
+    return impact->side / std::round(impact->side / h);
   return h;
 }
 
@@ -229,6 +259,7 @@ std::string continuum_scene(const dem::Case& a_case, const dem::MaterialConstant
   for (const auto& line : layout.sides) text += line;
   text += material_text(a_case, material, defects.friction_factor);
   for (const auto& table : layout.walls) text += table;
+  text += layout.bodies;
   text += fmt::format(
       "\n[[sand]]\nmaterial = \"sand\"\nshape = {}\n\n[particles]\nper_cell_axis = {}\njitter = "
       "{:.17g}\nseed = {}\n\n"

@@ -1,7 +1,8 @@
 // Case -> scene of the continuum solver: what `talus run` is asked, as the text of a scene file.
 //
 // Quasi-2-D cases run in plane strain, one cell thick. Sand fills the nominal shape at its packing limit and is released at
-// t = 0, so no gate is needed. Floors of fixed grains are as rough as the sand; planes and shells have the case's wall friction. Its
+// t = 0, so no gate is needed. Floors of fixed grains are as rough as the sand; planes and shells have the case's wall friction, a falling
+// sphere that of the grains' contacts. Its
 // material constants come from the calibration: mu(I) with mu_1, mu_2, I_0 where the file has them; where it has the critical-state
 // angle theta alone, mu = sin(theta), the ratio of shear stress to mean stress in plane strain (shear_cell/README.md).
 #pragma once
@@ -29,7 +30,7 @@ struct Defects {
   std::string solver = {};  // value of [solver] broken; empty: none
 };
 
-/// The length that ContinuumResolution::cells divides: L0, R0, the opening's width D, or the ledge's length. m.
+/// The length that ContinuumResolution::cells divides: L0, R0, the opening's width D, the ledge's length, or the falling sphere's diameter. m.
 double cell_length(const dem::Case& a_case);
 
 /// The edge of the cells, m: about cell_length / cells, so that a whole number of them fits between the walls.

@@ -16,10 +16,12 @@ std::vector<double> places_of(const std::vector<Profile>& profiles) {
 
 }  // namespace
 
-Profile profile_of(const nlohmann::json& run) {
-  const auto found = run.find("final_profile");
+Profile profile_of(const nlohmann::json& run, std::string_view observable) {
+  const bool in_time = observable == "depth_curve_L1";
+  const auto found = run.find(in_time ? "curves" : "final_profile");
   if (found == run.end() || !found->is_object()) return {};
-  return {found->at("x").get<std::vector<double>>(), found->at("depth").get<std::vector<double>>()};
+  return {found->at(in_time ? "time" : "x").get<std::vector<double>>(),
+          found->at("depth").get<std::vector<double>>()};
 }
 
 double depth_at(const Profile& profile, double x) {

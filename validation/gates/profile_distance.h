@@ -1,18 +1,23 @@
-// How far apart two depth profiles are: the area between them.
+// How far apart two curves are, depth profiles or depths in time: the area between them.
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <vector>
 
 namespace talus::validation {
 
-/// Depth (m) at the places x (m), which increase.
+/// Whether an observable is such an area, "profile_L1" or "depth_curve_L1", and so has a deviation and no value.
+inline bool is_distance(std::string_view observable) { return observable.ends_with("_L1"); }
+
+/// Depth (m) at the places x (m; s of a curve in time), which increase.
 struct Profile {
   std::vector<double> x, depth;
 };
 
-/// Of a run in results.json; empty when it has none.
-Profile profile_of(const nlohmann::json& run);
+/// What an observable that is a distance compares, of a run in results.json: its final profile, or its curve of depth in time. Empty
+/// when it has none.
+Profile profile_of(const nlohmann::json& run, std::string_view observable);
 
 /// Depth at x, linear between places; 0 beyond its ends.
 double depth_at(const Profile& profile, double x);

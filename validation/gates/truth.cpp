@@ -97,11 +97,11 @@ Comparison compare_values(const json& runs, const json& band) {
            .numerical = numerical.missing.empty() ? relative(numerical.combined) : std::nullopt}};
 }
 
-std::vector<Profile> profiles_of(const json& runs, const std::string& code) {
+std::vector<Profile> profiles_of(const json& runs, const std::string& code, const std::string& observable) {
   std::vector<Profile> profiles;
   for (const auto* run : runs_of(runs, code)) {
-    profiles.push_back(profile_of(*run));
-    if (profiles.back().x.empty()) throw std::invalid_argument("a run has no profile");
+    profiles.push_back(profile_of(*run, observable));
+    if (profiles.back().x.empty()) throw std::invalid_argument("a run has no profile or curve");
   }
   return profiles;
 }
@@ -145,9 +145,9 @@ std::optional<double> rectangular(const std::vector<Profile>& a, const std::vect
   return share * area_between(mean_profile(a), mean_profile(b)) / std::numbers::sqrt3;
 }
 
-Comparison compare_profiles(const json& runs) {
-  const auto model = profiles_of(runs, continuum_code), liggghts = profiles_of(runs, "liggghts"),
-             yade = profiles_of(runs, "yade");
+Comparison compare_profiles(const json& runs, const std::string& observable) {
+  const auto of_code = [&](const char* code) { return profiles_of(runs, code, observable); };
+  const auto model = of_code(continuum_code), liggghts = of_code("liggghts"), yade = of_code("yade");
   std::vector<Profile> codes;
   for (const auto* profiles : {&liggghts, &yade}) {
     if (!profiles->empty()) codes.push_back(mean_profile(*profiles));
@@ -165,10 +165,9 @@ Comparison compare_profiles(const json& runs) {
   b.reference = b.seeds ? std::optional(std::hypot(*b.seeds, b.codes.value_or(0.0))) : std::nullopt;
   b.lattice_seeds = relative(scatter(model));
   // As numerical_uncertainty.h has it for r = 2: cells against the mean, steps against the run of their own seed.
-  b.grid = relative(rectangular(model, profiles_of(runs, coarse_code), 1.0));
+  b.grid = relative(rectangular(model, of_code(coarse_code), 1.0));
   const double ratio = step_ratio(runs);
-  b.time_step =
-      relative(rectangular({model.front()}, profiles_of(runs, short_steps_code), ratio / (ratio - 1.0)));
+  b.time_step = relative(rectangular({model.front()}, of_code(short_steps_code), ratio / (ratio - 1.0)));
   b.numerical = hypotenuse({b.lattice_seeds, b.grid, b.time_step});
   return c;
 }
@@ -202,7 +201,7 @@ Judged judge(const Comparison& c, double band) {
 std::optional<Comparison> comparison_of(const json& runs, const json& band) {
   const std::string observable = band.at("observable");
   try {
-    if (observable == "profile_L1") return compare_profiles(runs);
+    if (is_distance(observable)) return compare_profiles(runs, observable);
     if (!all_finite(values_of(runs, continuum_code, observable))) return std::nullopt;
     return compare_values(runs, band);
   } catch (const std::invalid_argument&) {
@@ -300,7 +299,7 @@ TruthJudgement judge_truth(const json& point, const std::map<std::string, double
         {"why", judged.why}};
     row.update(budget_json(comparison ? comparison->budget : Budget{}));
     for (const char* code : {continuum_code, "liggghts", "yade"})
-      row[code] = observable == "profile_L1" ? json() : statistics_json(values_of(runs, code, observable));
+      row[code] = is_distance(observable) ? json() : statistics_json(values_of(runs, code, observable));
     judgement.rows.push_back(std::move(row));
     worst = worse(worst, judged.verdict);
   }

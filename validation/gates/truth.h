@@ -16,7 +16,7 @@
 //
 // at_rest is a row of its own: a deposit that rests at the end in the discrete codes and does not in the continuum is a FAIL, whatever it measures.
 //
-// profile_L1 compares whole final profiles: the deviation is the area between the mean profiles over the reference's, never negative. Its
+// profile_L1 compares whole final profiles, depth_curve_L1 a sphere's whole depth in time: the deviation is the area between the mean profiles over the reference's, never negative. Its
 // uncertainties are the same areas: between seeds and their mean, the codes' means, the coarse run and the standard one.
 #pragma once
 

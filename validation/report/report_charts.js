@@ -174,7 +174,7 @@ function drawCurves(parent, point) {
     const yTitle = `${label}${unit === "length" ? lengthText : unit && unit !== "1" ? ` (${unit})` : ""}`;
     addChart(charts, {caption: `${label[0].toUpperCase()}${label.slice(1)} in time`, sets,
       description: `Line chart of ${label} against time. At the end: ${lastValues(sets)}.`,
-      scales: {x: axis("time since release t (s)"), y: axis(yTitle)}});
+      scales: {x: axis(`time since ${point.kind === "impact" ? "contact" : "release"} t (s)`), y: axis(yTitle)}});
     drawn += 1;
   }
   if (addProfile(charts, point, lengthScale, lengthText)) drawn += 1;

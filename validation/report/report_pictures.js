@@ -22,7 +22,8 @@ function momentOf(picture, k) {
   const {x, z, radius, start_x: start, speed} = picture.ranges;
   const packed = picture.moments[k];
   picture.unpacked[k] ??= {time: packed.time, count: packed.count, x: unpacked(packed.x, 2, x), z: unpacked(packed.z, 2, z),
-    radius: unpacked(packed.radius, 1, radius), start: unpacked(packed.start_x, 1, start), speed: unpacked(packed.speed, 1, speed)};
+    radius: unpacked(packed.radius, 1, radius), start: unpacked(packed.start_x, 1, start), speed: unpacked(packed.speed, 1, speed),
+    sphere: picture.sphere?.[k]};
   return picture.unpacked[k];
 }
 
@@ -41,7 +42,8 @@ function extentOf(shown) {
   const margin = Math.max(...all("radius", 1));
   const low = (key) => { const edge = Math.min(...all(key, 0)); return edge >= 0 && edge < 3 * margin ? 0 : edge - margin; };
   const high = (key) => Math.max(...all(key, 1)) + margin;
-  return {x: [low("x"), high("x")], z: [low("z"), high("z")]};
+  const spheres = shown.flatMap((picture) => list(picture.sphere)).map(({z, radius}) => z + radius);
+  return {x: [low("x"), high("x")], z: [low("z"), Math.max(high("z"), ...spheres)]};
 }
 
 function niceStep(length, most) {
@@ -133,6 +135,11 @@ function drawItems(canvas, moment, extent, unit, share) {
       brush.fill();
       brush.stroke();
     });
+    if (!moment.sphere) return;
+    brush.fillStyle = colour("muted");
+    brush.beginPath();
+    brush.arc(across(moment.sphere.x), up(moment.sphere.z), moment.sphere.radius * scale, 0, 2 * Math.PI);
+    brush.fill();
   });
   axes();
 }

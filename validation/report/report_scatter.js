@@ -98,7 +98,7 @@ function agreementData(results, key) {
 }
 
 function drawAgreement(parent, results) {
-  const comparable = allRows(results, "truth").filter((row) => isNumber(row.continuum?.mean) && isNumber(row.reference) && row.observable !== "profile_L1");
+  const comparable = allRows(results, "truth").filter((row) => isNumber(row.continuum?.mean) && isNumber(row.reference) && !isDistance(row.observable));
   const present = new Set(comparable.map((row) => row.observable));
   const observables = [...Object.keys(QUANTITIES).filter((key) => present.delete(key)), ...present];
   if (!observables.length) return;

@@ -50,7 +50,7 @@ function matrix(results, part, caption, figureOf) {
         ...observables.map((key) => cell(point, rowsOf(point).find((row) => row.observable === key)))]), "matrix");
 }
 
-const truthFigure = (row) => percent(row.deviation, row.observable !== "profile_L1");
+const truthFigure = (row) => percent(row.deviation, !isDistance(row.observable));
 const driftFigure = (row) => finePercent(row.change, true);
 
 function metricsTable(metrics) {

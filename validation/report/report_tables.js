@@ -40,7 +40,7 @@ function truthTable(rows) {
       [{label: "Observable"}, figure("Continuum"), figure("LIGGGHTS"), figure("YADE"), figure("DEM reference"), figure("Deviation"), figure("Band"),
        figure("k·u"), {label: "Verdict"}],
       rows.map((row) => [withUnit(row), ensembleCell(row.continuum), ensembleCell(row.liggghts), ensembleCell(row.yade), number(row.reference),
-        percent(row.deviation, row.observable !== "profile_L1"), plusMinus(row.band), plusMinus(row.uncertainty), verdictCell(row)]), "cards");
+        percent(row.deviation, !isDistance(row.observable)), plusMinus(row.band), plusMinus(row.uncertainty), verdictCell(row)]), "cards");
 }
 
 function budgetTable(rows) {

@@ -64,17 +64,19 @@ TEST_P(EachKind, RunsAndIsMeasured) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "snapshots.h5"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, EachKind,
-                         ::testing::Combine(::testing::Values(Kind{"cylinder_collapse", "r90", 1.3, 2.0},
-                                                              Kind{"heap", "repose_angle", 15.0, 40.0},
-                                                              Kind{"slot", "discharge_rate", 0.025, 0.06},
-                                                              Kind{"hourglass", "discharge_rate", 0.04, 0.14},
-                                                              Kind{"ledge", "repose_angle", 25.0, 45.0}),
-                                            ::testing::Values("liggghts", "yade")),
-                         [](const auto& instance) {
-                           return fmt::format("{}_{}", std::get<0>(instance.param).name,
-                                              std::get<1>(instance.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, EachKind,
+    ::testing::Combine(::testing::Values(Kind{"cylinder_collapse", "r90", 1.3, 2.0},
+                                         Kind{"heap", "repose_angle", 15.0, 40.0},
+                                         Kind{"slot", "discharge_rate", 0.025, 0.06},
+                                         Kind{"hourglass", "discharge_rate", 0.04, 0.14},
+                                         Kind{"ledge", "repose_angle", 25.0, 45.0},
+                                         // A third to two thirds of the sphere's diameter.
+                                         Kind{"impact", "penetration_depth", 0.004, 0.008}),
+                       ::testing::Values("liggghts", "yade")),
+    [](const auto& instance) {
+      return fmt::format("{}_{}", std::get<0>(instance.param).name, std::get<1>(instance.param));
+    });
 
 class EachCode : public ::testing::TestWithParam<const char*> {};
 

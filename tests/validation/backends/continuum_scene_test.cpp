@@ -7,6 +7,7 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/scene/scene.h"
+#include "dem_cases/falling_sphere.h"
 #include "dem_cases/reference/plan.h"
 #include "tests/test_folder.h"
 
@@ -44,8 +45,12 @@ double sand_volume(const Scene& scene) {
 }
 
 TEST(ContinuumScene, EveryCaseThatItCanRunHoldsItsFillAndItsPhysics) {
-  const std::map<std::string, int> cells{
-      {"column_collapse", 20}, {"cylinder_collapse", 8}, {"slot", 12}, {"hourglass", 8}, {"ledge", 32}};
+  const std::map<std::string, int> cells{{"column_collapse", 20},
+                                         {"cylinder_collapse", 8},
+                                         {"slot", 12},
+                                         {"hourglass", 8},
+                                         {"ledge", 32},
+                                         {"impact", 6}};
   int seen = 0;
   for (const auto& file : dem::gravity_case_files()) {
     for (const auto& a_case : dem::read_case_points(file)) {
@@ -68,7 +73,7 @@ TEST(ContinuumScene, EveryCaseThatItCanRunHoldsItsFillAndItsPhysics) {
       EXPECT_NEAR(scene.materials[0].rate.grain_diameter, a_case.grains.diameter, 1e-12);
     }
   }
-  EXPECT_EQ(seen, 28);
+  EXPECT_EQ(seen, 30);
 }
 
 TEST(ContinuumScene, WithoutAFrictionLawMuIsTheSineOfTheCriticalAngle) {
@@ -92,6 +97,21 @@ TEST(ContinuumScene, AHourglassHasItsThroatAndTheFrictionOfItsGlass) {
   EXPECT_GT(distance(0.0295, 0.05), 0.0);
   EXPECT_LT(distance(0.0305, -0.05), 0.0);
   EXPECT_LT(distance(0.0, -0.121), 0.0);
+}
+
+TEST(ContinuumScene, AnImpactHasTheSameSphereAsTheDiscreteCodes) {
+  const auto a_case = dem::read_case(cases / "impact/case.toml", "speed_2");
+  const Scene scene = scene_of(a_case, 6);
+  ASSERT_EQ(scene.bodies.size(), 1u);
+  const Body& ball = scene.bodies[0];
+  const auto sphere = dem::falling_sphere(a_case);
+  EXPECT_NEAR((ball.pose.position - sphere->centre).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(ball.twist.velocity.z(), -sphere->speed, 1e-12);
+  EXPECT_NEAR(ball.mass, 7800.0 * M_PI / 6.0 * std::pow(0.0254, 3), 1e-6);
+  EXPECT_NEAR(ball.friction, a_case.contact.friction, 1e-12);
+  EXPECT_NEAR(scene.grid.spacing, 0.0254 / 6.0, 1e-12);
+  for (const int axis : {0, 1}) EXPECT_EQ(scene.sides[axis][0].friction, 0.0);
+  EXPECT_EQ(scene.sides[2][0].friction, as_rough_as_sand);
 }
 
 TEST(ContinuumScene, ASlotIsOpenWhereItsEdgesSayAndRoughElsewhere) {

@@ -33,9 +33,13 @@ TEST(ProfileDistance, MeansLeaveOutWhatIsMissing) {
 }
 
 TEST(ProfileDistance, ARunWithoutAProfileHasAnEmptyOne) {
-  EXPECT_TRUE(profile_of({{"code", "yade"}}).x.empty());
-  EXPECT_TRUE(profile_of({{"final_profile", nullptr}}).x.empty());
-  EXPECT_EQ(profile_of({{"final_profile", {{"x", {0.0, 1.0}}, {"depth", {2.0, 3.0}}}}}).depth.back(), 3.0);
+  EXPECT_TRUE(profile_of({{"code", "yade"}}, "profile_L1").x.empty());
+  EXPECT_TRUE(profile_of({{"final_profile", nullptr}}, "profile_L1").x.empty());
+  const nlohmann::json run{{"final_profile", {{"x", {0.0, 1.0}}, {"depth", {2.0, 3.0}}}},
+                           {"curves", {{"time", {0.0, 0.5}}, {"depth", {4.0, 5.0}}}}};
+  EXPECT_EQ(profile_of(run, "profile_L1").depth.back(), 3.0);
+  EXPECT_EQ(profile_of(run, "depth_curve_L1").x.back(), 0.5);
+  EXPECT_EQ(profile_of(run, "depth_curve_L1").depth.back(), 5.0);
 }
 
 }  // namespace

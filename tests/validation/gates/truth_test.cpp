@@ -187,6 +187,26 @@ TEST(TruthGate, ComparesWholeProfilesByTheAreaBetweenThem) {
   }
 }
 
+TEST(TruthGate, ComparesDepthsInTimeByTheAreaBetweenThem) {
+  json point = Point{}();
+  point["bands"] = {
+      {{"observable", "depth_curve_L1"}, {"unit", "1"}, {"band", 0.12}, {"why", "test"}, {"measuring", 0.0}}};
+  const auto judged = [&](double continuum) {
+    for (auto& run : point["runs"]) {
+      const bool ours = run["code"].get<std::string>().starts_with("continuum");
+      const double depth = (ours ? continuum : 1.0) + (run["seed"] == 1 ? -0.001 : 0.001);
+      run["curves"] = {{"time", {0.0, 0.1, 0.2}}, {"depth", {0.0, depth, depth}}};
+      run["final_profile"] = {{"x", {0.0, 1.0}}, {"depth", {1.0, 1.0}}};  // not what is compared
+    }
+    return judge_truth(point);
+  };
+  EXPECT_NEAR(judged(1.1).rows[0]["deviation"].get<double>(), 0.1, 1e-9);
+  EXPECT_EQ(judged(1.1).verdict, Verdict::pass);
+  EXPECT_EQ(judged(0.8).verdict, Verdict::fail);
+  point["runs"][0].erase("curves");
+  EXPECT_EQ(judge_truth(point).verdict, Verdict::inconclusive);
+}
+
 TEST(TruthGate, TakesTheRatioOfStepsFromTheRunsThemselves) {
   const auto u_step = [](int steps) {
     json point = Point{.short_steps = 1.01}();

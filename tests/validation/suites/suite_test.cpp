@@ -52,7 +52,8 @@ TEST(Suite, ReferenceIsTheWholeMatrix) {
                                        {"slot", 6},
                                        {"hourglass", 4},
                                        {"ledge", 2},
-                                       {"heap", 2}};
+                                       {"heap", 2},
+                                       {"impact", 2}};
   EXPECT_EQ(points, all);
 }
 

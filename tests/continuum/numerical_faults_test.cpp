@@ -1,5 +1,5 @@
 // What is not finite, or does not get on, stops a step with a clear word about what, where and when.
-#include "continuum/faults.h"
+#include "continuum/numerical_faults.h"
 
 #include <gmock/gmock.h>
 

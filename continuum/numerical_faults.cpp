@@ -1,4 +1,4 @@
-#include "continuum/faults.h"
+#include "continuum/numerical_faults.h"
 
 #include <fmt/format.h>
 
