@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "continuum/numerical_faults.h"
 #include "continuum/grid/active_region.h"
+#include "continuum/numerical_faults.h"
 #include "continuum/particles/collide.h"
 #include "continuum/particles/move.h"
 #include "continuum/particles/render_points.h"

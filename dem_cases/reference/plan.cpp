@@ -8,6 +8,7 @@
 
 #include "analysis/snapshot.h"
 #include "continuum/files/checked_table.h"
+#include "continuum/files/data_folder.h"
 #include "continuum/files/provenance.h"
 #include "dem_cases/falling_sphere.h"
 #include "dem_cases/grain_dump.h"
@@ -139,20 +140,16 @@ std::vector<PlannedRun> planned_runs(const Case& a_case) {
 }
 
 std::vector<std::filesystem::path> gravity_case_files() {
-  const std::filesystem::path cases = TALUS_CASE_FOLDER;
+  const std::filesystem::path cases = data_folder("dem_cases");
   return {cases / "column_collapse/case.toml", cases / "column_collapse/cylinder.toml",
           cases / "hourglass/case.toml",       cases / "hourglass/cone.toml",
           cases / "pile_angle/case.toml",      cases / "pile_angle/heap.toml",
           cases / "impact/case.toml"};
 }
 
-std::filesystem::path slot_case_file() {
-  return std::filesystem::path(TALUS_CASE_FOLDER) / "hourglass/case.toml";
-}
+std::filesystem::path slot_case_file() { return data_folder("dem_cases") / "hourglass/case.toml"; }
 
-std::filesystem::path shear_cell_file() {
-  return std::filesystem::path(TALUS_CASE_FOLDER) / "shear_cell/case.toml";
-}
+std::filesystem::path shear_cell_file() { return data_folder("dem_cases") / "shear_cell/case.toml"; }
 
 std::vector<PlannedRun> planned_runs_of_file(const std::filesystem::path& file) {
   if (CheckedTable::parse_file(file).string("kind") == "shear_cell")

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "continuum/files/atomic_file.h"
+#include "continuum/files/data_folder.h"
 #include "continuum/files/input_error.h"
 
 namespace talus::dem {
@@ -35,7 +36,7 @@ std::string text_of(const std::string& case_name, const std::string& point_name,
 
 }  // namespace
 
-std::filesystem::path reference_folder() { return TALUS_REFERENCE_FOLDER; }
+std::filesystem::path reference_folder() { return data_folder("dem_cases/reference/ensemble"); }
 
 std::filesystem::path record_file(const std::filesystem::path& reference, const std::string& case_name,
                                   const std::string& point_name) {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "continuum/files/atomic_file.h"
+#include "continuum/files/data_folder.h"
 #include "continuum/files/process.h"
 #include "dem_cases/liggghts/liggghts.h"
 #include "dem_cases/shear_cell/liggghts_deck.h"
@@ -117,7 +118,7 @@ PlannedRun plan_yade_biaxial(const ShearCell& cell, const ShearMaterial& materia
     write_file_atomically(folder / "packing.txt", yade_packing(start));
     write_file_atomically(folder / "parameters.json",
                           yade_biaxial_parameters(cell, material, point, start).dump(2) + "\n");
-    write_file_atomically(folder / yade_script, read_file(path(TALUS_SHEAR_CELL_FOLDER) / yade_script));
+    write_file_atomically(folder / yade_script, read_file(data_folder("dem_cases/shear_cell") / yade_script));
   };
   return run;
 }

@@ -9,6 +9,7 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
+#include "continuum/files/data_folder.h"
 #include "continuum/files/process.h"
 #include "dem_cases/container.h"
 #include "dem_cases/falling_sphere.h"
@@ -114,7 +115,7 @@ std::string packing_text(const Packing& packing) {
 
 /// An impact's is the others' with the sphere added between the release and the run.
 std::string script_text(const Case& a_case) {
-  const std::filesystem::path scripts = TALUS_YADE_SCRIPT_FOLDER;
+  const std::filesystem::path scripts = data_folder("dem_cases/yade");
   std::string text = read_file(scripts / script_file);
   if (!falling_sphere(a_case)) return text;
   const auto place = text.find("with open('grains.dump', 'w')");

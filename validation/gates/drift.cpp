@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "continuum/files/atomic_file.h"
+#include "continuum/files/data_folder.h"
 #include "continuum/files/input_error.h"
 #include "continuum/files/provenance.h"
 #include "validation/backends/continuum.h"
@@ -107,7 +108,7 @@ double relative_change(double now, double before) { return before == 0.0 ? now :
 
 }  // namespace
 
-std::filesystem::path baseline_folder() { return TALUS_BASELINE_FOLDER; }
+std::filesystem::path baseline_folder() { return data_folder("validation/baseline"); }
 
 std::optional<json> read_baseline(const std::filesystem::path& folder, const std::string& suite) {
   const auto file = baseline_file(folder, suite);

@@ -7,6 +7,7 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
+#include "continuum/files/data_folder.h"
 #include "continuum/files/provenance.h"
 #include "validation/mutants.h"
 
@@ -24,7 +25,7 @@ std::filesystem::path suite_file(const std::string& name_or_file) {
                                  name_or_file, meant ? fmt::format(" (did you mean '{}'?)", *meant) : "",
                                  fmt::join(names, ", ")));
   }
-  return std::filesystem::path(TALUS_SUITE_FOLDER) / (name_or_file + ".toml");
+  return data_folder("validation/suites") / (name_or_file + ".toml");
 }
 
 /// What all points of a suite share.
@@ -160,7 +161,7 @@ void check_points(const CheckedTable& root, const Suite& suite) {
 
 std::vector<std::string> suite_names() {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(TALUS_SUITE_FOLDER)) {
+  for (const auto& entry : std::filesystem::directory_iterator(data_folder("validation/suites"))) {
     if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
   }
   std::sort(names.begin(), names.end());
