@@ -14,6 +14,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 constexpr double never = std::numeric_limits<double>::max();
+constexpr int sides_of_a_domain = 6;
 constexpr double least_difference = 1.5;  // cells, between d in the middle of a room and in the passage
 constexpr double least_gap = 0.05;        // cells, from a wall: nearer, two walls are meant to touch
 constexpr double surface = 1e-3;          // cells: nearer to a wall than this is at it
@@ -36,7 +37,7 @@ struct Confinement {
   }
 };
 
-/// The corners of cells; one number beyond theirs stands for all that is outside.
+/// The corners of cells; the six numbers beyond theirs stand for what is outside each side of the domain.
 struct Corners {
   const Grid& grid;
   const DomainSides& sides;
@@ -62,7 +63,7 @@ struct Corners {
         else if (grid.periodic[a])
           visit(n - step * (extent[axis] - 1) * stride);
         else if (!sides[a][step > 0 ? 1 : 0].wall)
-          visit(count());
+          visit(count() + 2 * axis + (step > 0 ? 1 : 0));
       }
     }
   }
@@ -92,19 +93,21 @@ class Rooms {
 
 /// Corners where two rooms meet at a distance below `largest`.
 std::vector<int> saddles(const Corners& corners, const std::vector<double>& distance, double largest) {
-  const int outside = corners.count();
+  const int inside = corners.count(), all = inside + sides_of_a_domain;
   const double spacing = corners.grid.spacing;
   std::vector<int> found, order;
-  for (int n = 0; n < outside; ++n) {
+  for (int n = 0; n < inside; ++n) {
     if (distance[static_cast<std::size_t>(n)] > 0.0) order.push_back(n);
   }
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return distance[static_cast<std::size_t>(a)] > distance[static_cast<std::size_t>(b)];
   });
-  Rooms rooms(outside + 1);
-  rooms.widest(outside) = std::numeric_limits<double>::infinity();
-  std::vector<bool> there(static_cast<std::size_t>(outside) + 1, false);
-  there.back() = true;
+  Rooms rooms(all);
+  std::vector<bool> there(static_cast<std::size_t>(all), false);
+  for (int side = inside; side < all; ++side) {
+    rooms.widest(side) = std::numeric_limits<double>::infinity();
+    there[static_cast<std::size_t>(side)] = true;
+  }
   for (const int n : order) {
     const double here = distance[static_cast<std::size_t>(n)];
     there[static_cast<std::size_t>(n)] = true;

@@ -2,7 +2,7 @@
 //
 // Let d be the distance to the nearest wall. Where d is sampled at the corners of cells and these are added from the largest d
 // down, each room of the domain grows from its middle, and two rooms meet in the widest passage between them, at its
-// middle: a saddle of d. (The merge tree of d; what is outside an open side of the domain counts as a room.) A passage is
+// middle: a saddle of d. (The merge tree of d; what is outside of each open side of the domain counts as a room.) A passage is
 // reported only where both rooms are wider than it by 3 cells, so that rough walls and slanted channels are not taken for
 // openings: what lies between rooms that are hardly wider goes unnoticed, and so do all ways but the widest from one room to another.
 #pragma once
