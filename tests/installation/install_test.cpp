@@ -49,7 +49,7 @@ TEST_F(Installed, ProgramsUseTheDataBesideThem) {
 TEST_F(Installed, AnExternalProgramFindsTheLibrary) {
   const Path build = folder_->path() / "build";
   const auto configured =
-      run_program({"cmake", "-S", TALUS_SOURCE_DIR "/tests/package/external", "-B", build.string(), "-G",
+      run_program({"cmake", "-S", TALUS_SOURCE_DIR "/tests/installation/external", "-B", build.string(), "-G",
                    "Ninja", "-DCMAKE_PREFIX_PATH=" + prefix().string()});
   ASSERT_EQ(configured.exit_code, 0) << configured.output;
   const auto built = run_program({"cmake", "--build", build.string()});
