@@ -66,7 +66,8 @@ TEST_F(ReadShape, Sphere) {
                    1.0);
   const Shape hollow = read("kind = 'sphere', centre_m = [1, 0, 0], radius_m = 2, hollow = true");
   EXPECT_DOUBLE_EQ(signed_distance(hollow, {4, 0, 0}), -1.0);
-  expect_error("kind = 'sphere', centre_m = [1, 0, 0], radius_m = 0", "radius_m' = 0", "between 1e-09 and 1000000");
+  expect_error("kind = 'sphere', centre_m = [1, 0, 0], radius_m = 0", "radius_m' = 0",
+               "between 1e-09 and 1000000");
   expect_error("kind = 'sphere', center_m = [1, 0, 0], radius_m = 1", "centre_m", "has 'center_m' instead");
   expect_error("kind = 'sphere', centre_m = [1, 0, 0], radius_m = 2, hollow = 1", "hollow", "true or false");
 }
