@@ -1,4 +1,4 @@
-// STL and OBJ files, read strictly. Read here and not by a library: assimp's importers are known to crash and leak on damaged files,
+// STL and OBJ files, read strictly. Read here and not by a library: assimp leaked on a text STL that was cut off,
 // say no line, and fuzzing cannot see into them; CGAL's merge vertices that are no numbers with others, silently.
 #pragma once
 

@@ -201,7 +201,7 @@ TEST(TalusProgram, BadInputIsOneErrorAndExitCodeTwo) {
   };
   auto result = run("scene.toml", "out");
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.output, HasSubstr("'time.end_s' = -1: must be greater than 0"));
+  EXPECT_THAT(result.output, HasSubstr("'time.end_s' = -1: must be between 1e-09 and 1000000000"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
 
   result = run("absent.toml", "out");

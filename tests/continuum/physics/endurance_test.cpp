@@ -31,7 +31,7 @@ TEST(Endurance, AHundredThousandStepsLeaveMemoryFlatMassExactAndEnergyFalling) {
   scene.grid.periodic[1] = true;
   scene.sides[0][0] = {true, 0.0};
   scene.sides[2][0] = {true, 0.5};
-  scene.jitter = 0.5;
+  scene.jitter = 0.0;  // a jittered lattice starts overfull, and what the density correction lifts has energy
   scene.bodies = {make_body("ball", Shape{Sphere{{0.02, 0.015, 0.072}, 0.01}}, 1500.0)};
   scene.render_points_per_particle = 4;
   State state = initial_state(scene);
