@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <array>
+#include <cstdlib>
 #include <fstream>
+#include <random>
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/provenance.h"
@@ -170,6 +173,70 @@ TEST_F(CheckpointFile, WhatIsNoStateOfTheSceneIsRefused) {
   EXPECT_THAT(error_with("warm_start/pressure", list(1.0)), HasSubstr("wrong size for its cells"));
   EXPECT_THAT(error_with("warm_start/wall_axes", list(3)), HasSubstr("warm_start/wall_axes"));
   EXPECT_THAT(error_with("warm_start/open_faces", 1'000'000), HasSubstr("warm_start/open_faces"));
+}
+
+/// One field of a state, changed in a way that nobody thought of.
+void spoil(std::mt19937& random, nlohmann::json& fields) {
+  auto at = fields.begin();
+  std::advance(at, random() % fields.size());
+  if (at->is_number()) {
+    constexpr std::array<double, 6> numbers{-1.0,
+                                            0.0,
+                                            1e300,
+                                            -1e300,
+                                            std::numeric_limits<double>::infinity(),
+                                            std::numeric_limits<double>::quiet_NaN()};
+    *at = numbers[random() % numbers.size()];
+  } else if (at->is_boolean()) {
+    *at = !at->get<bool>();
+  } else if (at->is_binary() && !at->get_binary().empty()) {
+    auto& bytes = at->get_binary();
+    const std::size_t place = random() % bytes.size();
+    switch (random() % 4) {
+      case 0:
+        bytes.resize(place - place % 8);
+        break;
+      case 1:
+        bytes.insert(bytes.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(place));
+        break;
+      case 2:
+        for (std::size_t i = place; i < std::min(place + 8, bytes.size()); ++i)
+          bytes[i] = static_cast<std::uint8_t>(random());
+        break;
+      default:
+        std::fill(bytes.begin(), bytes.end(), std::uint8_t{0xff});
+    }
+  } else {
+    *at = 7;
+  }
+}
+
+/// TALUS_SPOILT_STATES says how many; default 300.
+TEST(SpoiltState, IsRefusedOrSteppedOnButNeverACrash) {
+  const Scene scene = read_scene(everything);
+  State state = initial_state(scene);
+  take_steps(scene, 8, state);
+  const nlohmann::json right = archive_of(state);
+  const State start = initial_state(scene);
+  const char* wanted = std::getenv("TALUS_SPOILT_STATES");
+  const int count = wanted ? std::atoi(wanted) : 300;
+  std::mt19937 random(1);
+  int refused = 0, faults = 0;
+  for (int i = 0; i < count; ++i) {
+    nlohmann::json fields = right;
+    spoil(random, fields);
+    State spoilt = start;
+    try {
+      restore(fields, "FILE", spoilt);
+      step(spoilt, scene.settings, 0.002);
+    } catch (const InputError&) {
+      ++refused;
+    } catch (const NumericalError&) {
+      ++faults;
+    }
+  }
+  std::printf("%d states: %d refused, %d stopped by a fault in their step\n", count, refused, faults);
+  EXPECT_GT(refused, count / 4);
 }
 
 TEST(Archive, ADeeplyNestedFileIsRefused) {
