@@ -65,6 +65,15 @@ void require_sound(const Grid& grid, const Particles& particles, double time) {
   }
 }
 
+void require_finite_positions(const Particles& particles, std::string_view after, double time) {
+  if (particles.positions.allFinite()) return;
+  for (Eigen::Index p = 0; p < particles.count(); ++p) {
+    if (!particles.positions.col(p).allFinite())
+      fail(fmt::format("the position of particle {} is not finite after {}", p, after),
+           fmt::format("mass {:.6g} kg", particles.masses[p]), time);
+  }
+}
+
 void require_sound(std::span<const Body> bodies, double time) {
   for (const Body& body : bodies) {
     const auto refuse = [&](std::string_view quantity) {

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <stdexcept>
+#include <string_view>
 
 #include "continuum/grid/active_region.h"
 #include "continuum/grid/operators.h"
@@ -20,6 +21,8 @@ class NumericalError : public std::runtime_error {
 
 /// Every particle finite, of positive mass and inside the domain. Throws NumericalError about the first that is not; `time` in s.
 void require_sound(const Grid& grid, const Particles& particles, double time);
+/// Every position finite, inside the domain or not; `after`: what has moved them. Throws NumericalError.
+void require_finite_positions(const Particles& particles, std::string_view after, double time);
 /// Every body's pose and twist finite. Throws NumericalError.
 void require_sound(std::span<const Body> bodies, double time);
 /// All of the stress that a step left finite, on the region that it is on. Throws NumericalError.

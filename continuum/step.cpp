@@ -123,6 +123,7 @@ void correct_density(State& state, const StepSettings& settings, Occupied& now, 
                       state.particles, settings.projection.record);
   report.seconds[Phase::packing] += watch.lap();
   if (report.packing.largest_displacement == 0.0) return;
+  require_finite_positions(state.particles, "the density correction", state.time);
   wrap_positions(state.grid, state.particles.positions);
   keep_out_of_walls(state.grid, state.openings, state.particles);
   wrap_positions(state.grid, state.particles.positions);  // a wall may have put them over a seam
@@ -394,6 +395,7 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   report.seconds[Phase::move] += watch.lap();
   const std::vector<Cover> cover = move_render_points(now, before, flow, state, watch, report);
   update_particles(settings, now, before, flow, state, report);
+  require_finite_positions(state.particles, "the step", state.time);
   wrap_positions(state.grid, state.particles.positions);
   report.on_bodies = flow.on_bodies;
   move_bodies(state, flow, report.dt);

@@ -93,6 +93,19 @@ TEST(Faults, AVelocityThatIsNotFiniteIsToldWithItsFace) {
               AllOf(HasSubstr("the sand's velocity along z"), HasSubstr(", 0) m")));
 }
 
+TEST(Faults, APositionThatIsNotFiniteIsToldWithWhatMovedIt) {
+  State state = moving();
+  require_finite_positions(state.particles, "the step", 0.25);
+  state.particles.positions(1, 4) = none;
+  try {
+    require_finite_positions(state.particles, "the step", 0.25);
+    FAIL();
+  } catch (const NumericalError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("the position of particle 4 is not finite after the step at t = 0.25 s, mass "));
+  }
+}
+
 TEST(Faults, NothingHasChangedAfterAnUnsoundStateIsRefused) {
   State state = moving();
   state.particles.velocities(0, 0) = none;
