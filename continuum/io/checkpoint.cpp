@@ -14,6 +14,7 @@ using Path = std::filesystem::path;
 
 constexpr const char* format_name = "talus-checkpoint";
 constexpr int format_version = 1;
+constexpr const char* next_checkpoint_name = "checkpoint.next.talus";  // until it is the newest
 
 template <class Archive, class Of>
 void describe(Archive& archive, Of& checkpoint) {
@@ -70,18 +71,14 @@ void write_checkpoint(const Path& folder, const Checkpoint& checkpoint) {
   put(checkpoint.budget, "budget", all);
   put(checkpoint.body_log, "body_log", all);
   const std::string text = packed_archive(format_name, format_version, all);
-  // A second name for the one that was, before the new one takes its own: at no moment is there none.
-  const Path newest = folder / checkpoint_name, previous = folder / previous_checkpoint_name;
-  if (std::filesystem::exists(newest)) {
-    const Path beside = folder / fmt::format("{}.partial", previous_checkpoint_name);
-    std::error_code why;
-    std::filesystem::remove(beside, why);
-    std::filesystem::create_hard_link(newest, beside, why);
-    if (why) std::filesystem::copy_file(newest, beside, why);  // a file system without links
-    if (!why) std::filesystem::rename(beside, previous, why);
-    if (why) throw InputError(fmt::format("{}: cannot be kept: {}", newest.string(), why.message()));
-  }
-  write_file_atomically(newest, text);
+  // The new one is whole before the one that was takes its second name: two stand at every moment once there are two.
+  const Path newest = folder / checkpoint_name, next = folder / next_checkpoint_name;
+  write_file_atomically(next, text);
+  std::error_code why;
+  if (std::filesystem::exists(newest))
+    std::filesystem::rename(newest, folder / previous_checkpoint_name, why);
+  if (!why) std::filesystem::rename(next, newest, why);
+  if (why) throw InputError(fmt::format("{}: cannot be put in place: {}", newest.string(), why.message()));
 }
 
 Checkpoint read_checkpoint(const Path& folder, std::string& told) {
@@ -109,7 +106,7 @@ void remove_checkpoints(const Path& folder) {
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename();
     const bool begun = name.starts_with("checkpoint.") && name.find(".partial") != std::string::npos;
-    if (begun || name == checkpoint_name || name == previous_checkpoint_name)
+    if (begun || name == checkpoint_name || name == previous_checkpoint_name || name == next_checkpoint_name)
       std::filesystem::remove(entry.path());
   }
 }

@@ -370,9 +370,11 @@ nlohmann::json archive_of(const State& state) {
   return archive.fields();
 }
 
-std::string digest_of(const State& state) {
+std::string digest_of(const State& state) { return digest_of_fields(archive_of(state)); }
+
+std::string digest_of_fields(const nlohmann::json& fields) {
   std::string content;
-  nlohmann::json::to_cbor(archive_of(state), content);
+  nlohmann::json::to_cbor(fields, content);
   return sha256(content);
 }
 

@@ -15,6 +15,7 @@ nlohmann::json archive_of(const State& state);
 
 /// SHA-256 of those fields: a name for the state, to the last bit.
 std::string digest_of(const State& state);
+std::string digest_of_fields(const nlohmann::json& fields);
 
 /// Puts the fields in the place of what `state`, its scene's state at time zero, has. Throws InputError that names `where` when
 /// they are not those of a state of that scene.

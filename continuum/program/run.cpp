@@ -26,8 +26,8 @@ namespace {
 using Path = std::filesystem::path;
 using Clock = std::chrono::steady_clock;
 
-constexpr int steps_to_fault =
-    16;  // at most so many lie between the state that output/fault has and the fault
+/// At most so many lie between the state that output/fault has and the fault.
+constexpr int steps_to_fault = 16;
 
 void warn_of_caps(const State& state, const StepReport& report) {
   if (report.stagnations > 0)
@@ -95,7 +95,7 @@ Path keep_fault(const Running& run, Checkpoint before) {
   return folder;
 }
 
-/// Steps until the end, or until a signal; returns the signal, or 0.
+/// A step with all that goes with it: books, files, checkpoints that are due, and what is kept should it fail.
 class Stepper {
  public:
   Stepper(Running& run, RunFiles& files) : run_(run), files_(files), saved_(Clock::now()) {}
@@ -274,10 +274,7 @@ std::string digest(const Path& folder) {
     }
   }
   std::string told;
-  const Checkpoint checkpoint = read_checkpoint(folder, told);
-  std::string content;
-  nlohmann::json::to_cbor(checkpoint.state, content);
-  return sha256(content);
+  return digest_of_fields(read_checkpoint(folder, told).state);
 }
 
 }  // namespace talus

@@ -1,5 +1,5 @@
 // STL and OBJ files, read strictly. Read here and not by a library: assimp leaked on a text STL that was cut off,
-// say no line, and fuzzing cannot see into them; CGAL's merge vertices that are no numbers with others, silently.
+// tells no line, and fuzzing cannot see into it; CGAL merges vertices that are no numbers with others, silently.
 #pragma once
 
 #include <Eigen/Core>
