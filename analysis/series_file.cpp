@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "analysis/snapshot_format.h"
+#include "continuum/files/put_in_place.h"
 
 namespace talus::analysis {
 namespace {
@@ -85,10 +86,9 @@ void give_back_room(const std::filesystem::path& file) {
   if (!ignored) std::filesystem::resize_file(file, size, ignored);
 }
 
-void put_in_place(const std::filesystem::path& from, const std::filesystem::path& to) {
-  std::error_code why;
-  std::filesystem::rename(from, to, why);
-  if (why) throw snapshot_error(to, fmt::format("cannot put in place: {}", why.message()));
+void rename_whole(const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (const std::error_code why = put_in_place(from, to))
+    throw snapshot_error(to, fmt::format("cannot put in place: {}", why.message()));
 }
 
 std::filesystem::path partial(std::filesystem::path file) { return file += ".partial"; }
@@ -225,7 +225,7 @@ void SeriesFile::close_whole() {
 
 void SeriesFile::finish_as(const std::filesystem::path& part) {
   close_whole();
-  put_in_place(partial(path_), part);
+  rename_whole(partial(path_), part);
 }
 
 void SeriesFile::finish() {
@@ -237,8 +237,8 @@ void SeriesFile::finish() {
   if (!out) throw snapshot_error(xdmf, "cannot write");
   flush_to_disk(partial(xdmf));
   // The numbers last: where they stand, their description stands as well.
-  put_in_place(partial(xdmf), xdmf);
-  put_in_place(partial(path_), path_);
+  rename_whole(partial(xdmf), xdmf);
+  rename_whole(partial(path_), path_);
 }
 
 }  // namespace talus::analysis

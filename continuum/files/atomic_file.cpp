@@ -10,12 +10,17 @@
 #include <sstream>
 
 #include "continuum/files/input_error.h"
+#include "continuum/files/put_in_place.h"
 
 namespace talus {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
   throw InputError(fmt::format("{}: {}: {}", file.string(), what, std::strerror(errno)));
+}
+
+InputError not_in_place(const std::filesystem::path& file, const std::error_code& why) {
+  return InputError(fmt::format("{}: cannot put in place: {}", file.string(), why.message()));
 }
 
 }  // namespace
@@ -39,11 +44,9 @@ void write_file_atomically(const std::filesystem::path& file, std::string_view c
   }
   if (::fsync(descriptor) != 0) give_up("cannot flush to disk");
   if (::close(descriptor) != 0) fail(file, "cannot close");
-  if (::rename(temporary.c_str(), file.c_str()) != 0) {
-    const int why = errno;
+  if (const std::error_code why = put_in_place(temporary, file)) {
     ::unlink(temporary.c_str());
-    errno = why;
-    fail(file, "cannot put in place");
+    throw not_in_place(file, why);
   }
 }
 
@@ -92,9 +95,7 @@ std::int64_t GrowingFile::save() {
 void GrowingFile::finish() {
   out_.close();
   if (!out_) fail(file_, "cannot write");
-  std::error_code why;
-  std::filesystem::rename(temporary_, file_, why);
-  if (why) throw InputError(fmt::format("{}: cannot put in place: {}", file_.string(), why.message()));
+  if (const std::error_code why = put_in_place(temporary_, file_)) throw not_in_place(file_, why);
 }
 
 std::string read_file(const std::filesystem::path& file) {

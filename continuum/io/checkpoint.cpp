@@ -4,6 +4,7 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
+#include "continuum/files/put_in_place.h"
 #include "continuum/io/archive.h"
 #include "continuum/io/state_archive.h"
 
@@ -75,9 +76,8 @@ void write_checkpoint(const Path& folder, const Checkpoint& checkpoint) {
   const Path newest = folder / checkpoint_name, next = folder / next_checkpoint_name;
   write_file_atomically(next, text);
   std::error_code why;
-  if (std::filesystem::exists(newest))
-    std::filesystem::rename(newest, folder / previous_checkpoint_name, why);
-  if (!why) std::filesystem::rename(next, newest, why);
+  if (std::filesystem::exists(newest)) why = put_in_place(newest, folder / previous_checkpoint_name);
+  if (!why) why = put_in_place(next, newest);
   if (why) throw InputError(fmt::format("{}: cannot be put in place: {}", newest.string(), why.message()));
 }
 

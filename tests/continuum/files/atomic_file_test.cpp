@@ -31,6 +31,14 @@ TEST(AtomicFile, AFullDiskLeavesTheOldContent) {
   EXPECT_EQ(read_file(folder / "a"), "old");
 }
 
+TEST(AtomicFile, WhereAFolderStandsNothingIsPutAndNothingIsLeft) {
+  const testing::TestFolder temporary;
+  const auto& folder = temporary.path();
+  std::filesystem::create_directories(folder / "a" / "below");
+  EXPECT_THROW(write_file_atomically(folder / "a", "new"), InputError);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+}
+
 TEST(AtomicFile, AFolderThatCannotBeMadeIsAnError) {
   const testing::TestFolder temporary;
   const auto& folder = temporary.path();
