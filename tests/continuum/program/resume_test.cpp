@@ -2,6 +2,7 @@
 //
 // TALUS_KILLS says how many kills, at random moments, must all be survived; default 6.
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -181,6 +182,20 @@ TEST_F(Resume, OnAFullDiskItStopsAndTheNewestCheckpointIsWhole) {
   EXPECT_EQ(full.exit_code, 2);
   EXPECT_THAT(full.output, AllOf(HasSubstr(out().string()), HasSubstr("File too large")));
   EXPECT_EQ(digest_of(out()), before);
+  EXPECT_FALSE(std::filesystem::exists(out() / "run.json"));
+  EXPECT_EQ(resume().exit_code, 0);
+  expect_what_a_straight_run_gives();
+}
+
+/// Root may write everywhere, unless it gives that up.
+TEST_F(Resume, InAFolderThatBecomesReadOnlyItStopsAndTheNewestCheckpointIsWhole) {
+  const std::string humble = ::geteuid() == 0 ? "setpriv --bounding-set=-dac_override " : "";
+  const std::string script = humble + "\"$1\" run \"$2\" -o \"$3\" --checkpoint-every 0 & pid=$!\n" +
+                             "until [ -e \"$3/checkpoint.previous.talus\" ]; do sleep 0.01; done\n" +
+                             "chmod -R u-w \"$3\"; wait $pid; code=$?; chmod -R u+w \"$3\"; exit $code";
+  const auto stopped = run_program({"sh", "-c", script, "sh", talus_program, everything, out().string()});
+  EXPECT_EQ(stopped.exit_code, 2);
+  EXPECT_THAT(stopped.output, AllOf(HasSubstr(out().string()), HasSubstr("Permission denied")));
   EXPECT_FALSE(std::filesystem::exists(out() / "run.json"));
   EXPECT_EQ(resume().exit_code, 0);
   expect_what_a_straight_run_gives();
