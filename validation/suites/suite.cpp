@@ -8,6 +8,7 @@
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/checked_table.h"
 #include "continuum/files/data_folder.h"
+#include "continuum/files/faults.h"
 #include "continuum/files/provenance.h"
 #include "validation/mutants.h"
 
@@ -55,7 +56,7 @@ std::vector<std::string> read_codes(const CheckedTable& table) {
 }
 
 /// The points of one [[case]], each a whole case.
-std::vector<dem::Case> read_points(const CheckedTable& table, const std::filesystem::path& folder) {
+std::vector<dem::Case> read_case(const CheckedTable& table, const std::filesystem::path& folder) {
   const auto file = (folder / table.string("file")).lexically_normal();
   auto all = dem::read_case_points(file);
   if (!table.has("points")) return all;
@@ -97,7 +98,7 @@ std::vector<SuitePoint> read_suite_case(const CheckedTable& table, const Common&
     if (table.has(code + "_seeds")) own_seeds[code] = read_seeds(table, code + "_seeds");
   }
   std::vector<SuitePoint> points;
-  for (auto& a_case : read_points(table, common.folder)) {
+  for (auto& a_case : read_case(table, common.folder)) {
     SuitePoint point = shared;
     for (const auto& code : codes) {
       if (code == "continuum")
@@ -140,6 +141,14 @@ std::vector<std::string> read_mutants(const CheckedTable& root) {
   return mutants;
 }
 
+void read_points(const CheckedTable& root, const Common& common, Faults& faults, Suite& suite) {
+  std::vector<CheckedTable> tables;
+  passes(faults, [&] { tables = root.tables("case"); });
+  for (const auto& table : tables)
+    passes(faults,
+           [&] { std::ranges::move(read_suite_case(table, common), std::back_inserter(suite.points)); });
+}
+
 /// Names tell results apart, and what is required must be there.
 void check_points(const CheckedTable& root, const Suite& suite) {
   std::set<std::string> names;
@@ -174,17 +183,23 @@ Suite read_suite(const std::string& name_or_file) {
   Suite suite;
   suite.file = root.file();
   const auto folder = suite.file.parent_path();
-  suite.name = dem::read_folder_name(root, "name");
-  suite.title = root.string("title");
-  suite.calibration = (folder / root.string("calibration")).lexically_normal();
-  suite.input_hash = sha256(read_file(suite.file));
-  suite.calibration_hash = sha256(read_file(suite.calibration));
-  suite.mutants = read_mutants(root);
-  const Common common = read_common(root, folder, suite.calibration);
-  for (const auto& table : root.tables("case"))
-    std::ranges::move(read_suite_case(table, common), std::back_inserter(suite.points));
-  check_points(root, suite);
-  root.finish();
+  Faults faults;
+  passes(faults, [&] {
+    suite.name = dem::read_folder_name(root, "name");
+    suite.title = root.string("title");
+    suite.input_hash = sha256(read_file(suite.file));
+  });
+  passes(faults, [&] { suite.mutants = read_mutants(root); });
+  const bool calibrated = passes(faults, [&] {
+    suite.calibration = (folder / root.string("calibration")).lexically_normal();
+    suite.calibration_hash = sha256(read_file(suite.calibration));
+  });
+  Common common;
+  if (passes(faults, [&] { common = read_common(root, folder, suite.calibration); }) && calibrated)
+    read_points(root, common, faults, suite);
+  if (faults.empty()) passes(faults, [&] { check_points(root, suite); });
+  if (faults.empty()) root.finish();
+  refuse(faults);
   return suite;
 }
 

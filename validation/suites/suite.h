@@ -61,7 +61,7 @@ struct Suite {
 };
 
 /// `name_or_file`: the name of a suite in validation/suites, or the path of a suite file. Reads and checks the suite and all its
-/// cases. Throws InputError.
+/// cases. Throws InputError with all that is wrong, a line each.
 Suite read_suite(const std::string& name_or_file);
 
 /// Names of the suites that come with Talus.
