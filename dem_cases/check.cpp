@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "continuum/files/checked_table.h"
+#include "continuum/files/memory.h"
 #include "dem_cases/shear_cell/shear_cell.h"
 #include "dem_cases/time_step.h"
 
@@ -28,10 +29,10 @@ Opening opening_of(const Case& a_case) {
 std::string needs_of(const Case& a_case, const TimeStepCheck& step) {
   const StepSchedule schedule = step_schedule(a_case);
   return fmt::format(
-      "{}: point {}: about {:.3g} grains, {:.3g} steps of {:.3g} s ({:.0f} % of the Rayleigh time, {:.0f} % "
-      "of the "
-      "Hertz time; at most {:.0f} and {:.0f}), {} snapshots",
-      a_case.file.string(), a_case.point, expected_grains(a_case),
+      "{}: point {}: about {:.3g} grains and {} of memory, {:.3g} steps of {:.3g} s ({:.0f} % of the "
+      "Rayleigh "
+      "time, {:.0f} % of the Hertz time; at most {:.0f} and {:.0f}), {} snapshots",
+      a_case.file.string(), a_case.point, expected_grains(a_case), memory_text(expected_memory(a_case)),
       static_cast<double>(schedule.settle + schedule.run()), a_case.protocol.time_step,
       100.0 * step.rayleigh_fraction, 100.0 * step.hertz_fraction, 100.0 * largest_rayleigh_fraction,
       100.0 * largest_hertz_fraction, schedule.snapshot_count);
@@ -40,7 +41,7 @@ std::string needs_of(const Case& a_case, const TimeStepCheck& step) {
 void check_point(const std::filesystem::path& file, const std::string& name, CaseCheck& found) {
   passes(found.faults, [&] {
     const Case a_case = read_case(file, name);
-    std::ranges::move(case_warnings(a_case), std::back_inserter(found.warnings));
+    std::ranges::move(case_warnings(a_case, memory_available()), std::back_inserter(found.warnings));
     found.needs.push_back(needs_of(a_case, check_time_step(a_case)));
   });
 }
@@ -59,7 +60,12 @@ void drop_repeated(Faults& faults) {
 
 }  // namespace
 
-std::vector<std::string> case_warnings(const Case& a_case) {
+double expected_memory(const Case& a_case) {
+  constexpr double at_start = 200e6, per_grain = 10e3;
+  return at_start + per_grain * expected_grains(a_case);
+}
+
+std::vector<std::string> case_warnings(const Case& a_case, double memory) {
   std::vector<std::string> warnings;
   const double diameter = a_case.grains.diameter;
   const auto tell = [&](std::string_view key, const std::string& what) {
@@ -81,6 +87,12 @@ std::vector<std::string> case_warnings(const Case& a_case) {
          fmt::format("= {} makes about {:.0f} grains; figures of fewer than {:.0f} scatter much from "
                      "seed to seed; use smaller grains or more sand",
                      diameter, grains, fewest_grains));
+  }
+  if (const double needed = expected_memory(a_case); needed > memory) {
+    tell("grains.diameter_m",
+         fmt::format("= {} makes about {:.3g} grains, which need about {}; {} are free; use larger grains or "
+                     "less sand",
+                     diameter, expected_grains(a_case), memory_text(needed), memory_text(memory)));
   }
   return warnings;
 }

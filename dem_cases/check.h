@@ -16,13 +16,18 @@ inline constexpr double fewest_grains = 500.0;          // of fewer, figures sca
 struct CaseCheck {
   Faults faults;  // what read_case, read_shear_cell and check_time_step refuse, of all points
   std::vector<std::string> warnings;  // a line each
-  std::vector<std::string> needs;  // a line for each point: grains, steps, the time step against its limits
+  std::vector<std::string>
+      needs;  // a line for each point: grains, memory, steps, the time step against its limits
 };
 
 /// Of a case file with all its points, or of a shear cell.
 CaseCheck check_case_file(const std::filesystem::path& file);
 
-/// Of one point.
-std::vector<std::string> case_warnings(const Case& a_case);
+/// About what memory either code needs for a point, bytes: what they start with, and 10 kB a grain (measured: YADE 3.8, 18,400
+/// grains, 0.36 GB; LIGGGHTS needs a fifth of that).
+double expected_memory(const Case& a_case);
+
+/// Of one point. `memory`: bytes that are free.
+std::vector<std::string> case_warnings(const Case& a_case, double memory);
 
 }  // namespace talus::dem

@@ -9,6 +9,7 @@
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
 #include "continuum/files/process.h"
+#include "dem_cases/check.h"
 #include "dem_cases/grain_dump.h"
 #include "dem_cases/reference/folder_lock.h"
 #include "dem_cases/reference/make_run.h"
@@ -61,13 +62,12 @@ void add_continuum_runs(const SuitePoint& point, const Defects& defects, const s
 
 void add_discrete_runs(const SuitePoint& point, const std::filesystem::path& output,
                        std::vector<SuiteRun>& runs) {
-  constexpr double memory = 200.0, memory_per_grain = 0.01;  // MB
   for (const auto& [code, seeds] : point.seeds) {
     if (code == continuum_code || seeds.empty()) continue;
     dem::check_time_step(point.a_case);
     for (const auto seed : seeds) {
       SuiteRun run = suite_run(point, dem::planned_run(point.a_case, code, seed),
-                               memory + memory_per_grain * dem::expected_grains(point.a_case), output);
+                               dem::expected_memory(point.a_case) / 1e6, output);
       run.stored = point.stored;
       runs.push_back(std::move(run));
     }

@@ -61,6 +61,17 @@ TEST_F(CaseChecks, HoldTheTimeStepToItsLimits) {
   EXPECT_THAT(found.needs, ElementsAre(AllOf(HasSubstr("point tiny"), HasSubstr("of the Rayleigh time"))));
 }
 
+constexpr double plenty = 1e15;  // bytes
+
+TEST_F(CaseChecks, WarnOfMoreMemoryThanIsFree) {
+  const Case a_case = read_case(file(column));
+  const double needed = expected_memory(a_case);
+  EXPECT_NEAR(needed, 200e6 + 10e3 * expected_grains(a_case), 1.0);
+  EXPECT_THAT(case_warnings(a_case, needed), Not(::testing::Contains(HasSubstr("are free"))));
+  EXPECT_THAT(case_warnings(a_case, 0.5 * needed),
+              ::testing::Contains(AllOf(HasSubstr("grains.diameter_m"), HasSubstr("which need about"))));
+}
+
 TEST_F(CaseChecks, WarnOfFewGrainsAndNarrowOpenings) {
   EXPECT_THAT(check(column).warnings,
               ElementsAre(AllOf(HasSubstr("grains.diameter_m"), HasSubstr("fewer than 500"))));
@@ -68,12 +79,12 @@ TEST_F(CaseChecks, WarnOfFewGrainsAndNarrowOpenings) {
   auto& geometry = std::get<SlotGeometry>(narrow.geometry);
   const double d = narrow.grains.diameter;
   geometry.opening = 6.0 * d;
-  EXPECT_THAT(case_warnings(narrow), Not(::testing::Contains(HasSubstr("opening_m"))));
+  EXPECT_THAT(case_warnings(narrow, plenty), Not(::testing::Contains(HasSubstr("opening_m"))));
   geometry.opening = 4.0 * d;
-  EXPECT_THAT(case_warnings(narrow),
+  EXPECT_THAT(case_warnings(narrow, plenty),
               ::testing::Contains(AllOf(HasSubstr("geometry.opening_m"), HasSubstr("4 grain diameters"))));
   narrow.geometry = HourglassGeometry{2.5 * d, 8.0 * d, 6.0 * d, 10.0 * d, 20.0 * d};
-  EXPECT_THAT(case_warnings(narrow),
+  EXPECT_THAT(case_warnings(narrow, plenty),
               ::testing::Contains(AllOf(HasSubstr("throat_radius_m"), HasSubstr("5 grain diameters"))));
 }
 
