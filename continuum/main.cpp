@@ -167,7 +167,7 @@ CLI::App* add_export(CLI::App& app, ExportOptions& options) {
 int main(int argc, char** argv) {
   CLI::App app{
       "Talus: sand as a continuum that packs to a limit, never pulls, and resists shear by friction."};
-  app.set_version_flag("--version", version_line("talus"));
+  app.set_version_flag("--version", version_text("talus"));
   app.add_flag_callback(
          "--solver",
          [] {

@@ -221,7 +221,7 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Makes the reference ensemble: every case through LIGGGHTS and YADE, at its parameter points and "
       "seeds."};
-  app.set_version_flag("--version", version_line("talus-dem"));
+  app.set_version_flag("--version", version_text("talus-dem"));
   app.require_subcommand(1);
   app.footer("Exit codes: 0 done, 1 a run failed, 2 bad input, 130 interrupted.");
   Arguments arguments;

@@ -100,7 +100,7 @@ void add_others(CLI::App& app, Arguments& a) {
 
 int main(int argc, char** argv) {
   CLI::App app{"Runs the same granular cases through the continuum, LIGGGHTS and YADE, and compares them."};
-  app.set_version_flag("--version", version_line("talus-validate"));
+  app.set_version_flag("--version", version_text("talus-validate"));
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done (check: PASS; mutate: all found out), 1 a run failed, check says FAIL or a mutant "

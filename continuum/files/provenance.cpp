@@ -64,6 +64,17 @@ std::string version_line(std::string_view program) {
                      TALUS_GIT_DIRTY ? ", dirty" : "", __VERSION__, TALUS_BUILD_TYPE);
 }
 
+std::string version_text(std::string_view program) {
+  const nlohmann::json made_by = provenance();
+  std::string libraries;
+  for (const auto& [name, version] : made_by.at("libraries").items())
+    libraries += fmt::format(" {} {}", name, version.get<std::string>());
+  return fmt::format("{}\nflags: {}\nlibraries:{}\nmachine: {}, {} cores, {}", version_line(program),
+                     made_by.at("compiler_flags").get<std::string>(), libraries,
+                     made_by.at("cpu").get<std::string>(), made_by.at("cores").get<int>(),
+                     made_by.at("host").get<std::string>());
+}
+
 std::string solver_line() {
   const std::string hash =
       sha256(fmt::format("{}\n{}\n", TALUS_SOLVER_SOURCES, TALUS_CXX_FLAGS)).substr(0, 16);

@@ -11,8 +11,11 @@ namespace talus {
 /// Version, git hash and dirty flag, compiler, flags, build type, library versions, host, CPU and time.
 nlohmann::json provenance();
 
-/// "talus 0.1.0 (git 1a2b3c4, dirty) g++ 12.2.0 Release", for --version.
+/// "talus 0.1.0 (git 1a2b3c4, dirty) g++ 12.2.0 Release".
 std::string version_line(std::string_view program);
+
+/// That line, and below it the compiler's flags, the libraries and the machine, for --version.
+std::string version_text(std::string_view program);
 
 /// "talus 0.1.0 solver 1a2b3c4d5e6f7a8b g++ 12.2.0 Release": what decides the solver's results and nothing else, so that runs of one such
 /// text need not be made again. The hash is over the solver's sources and the compiler's flags.

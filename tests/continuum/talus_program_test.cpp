@@ -40,7 +40,10 @@ TEST(TalusProgram, RunsASceneToSnapshotsAndABudget) {
   EXPECT_EQ(run["budget"]["mass_error"], 0.0);
   EXPECT_EQ(run["budget"]["cap_hits"], 0);
   EXPECT_EQ(run["particles"], 200);
-  EXPECT_TRUE(run["provenance"].contains("git_hash"));
+  for (const char* key : {"version", "git_hash", "git_dirty", "compiler", "compiler_flags", "threads", "cpu",
+                          "host", "libraries", "input_hash", "command_line", "solver"})
+    EXPECT_TRUE(run["provenance"].contains(key)) << key;
+  EXPECT_THAT(read_file(folder / "out" / "snapshots.h5"), HasSubstr(run["provenance"].dump()));
   EXPECT_GT(run["budget"]["friction_iterations"], 0);
 }
 
@@ -238,7 +241,8 @@ TEST(TalusProgram, KilledHalfWayLeavesNoSnapshotsUnderTheirFinalName) {
 }
 
 TEST(TalusProgram, SaysWhatItIs) {
-  EXPECT_THAT(run_program({"talus", "--version"}).output, HasSubstr("talus 0.1.0 (git "));
+  EXPECT_THAT(run_program({"talus", "--version"}).output,
+              AllOf(HasSubstr("talus 0.1.0 (git "), HasSubstr("flags: -"), HasSubstr("libraries: eigen")));
   const auto solver = run_program({"talus", "--solver"});
   EXPECT_EQ(solver.exit_code, 0);
   EXPECT_THAT(solver.output, ::testing::MatchesRegex("talus 0.1.0 solver [0-9a-f]{16} g\\+\\+ .*\n"));

@@ -58,5 +58,13 @@ TEST(Provenance, NamesSourceCompilerAndLibraries) {
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");  // FIPS 180-2, B.1
 }
 
+TEST(Provenance, TheVersionTellsFlagsLibrariesAndMachine) {
+  const std::string text = version_text("talus");
+  EXPECT_TRUE(text.starts_with(version_line("talus") + "\n"));
+  const auto made_by = provenance();
+  for (const std::string part : {made_by["compiler_flags"], made_by["libraries"]["eigen"], made_by["cpu"]})
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+}
+
 }  // namespace
 }  // namespace talus
