@@ -37,7 +37,7 @@ function drawSummary(results) {
   part("discharge", "Discharge: raw and corrected", list(results.beverloo).length, (section) => drawDischarge(section, results.beverloo));
   part("cost", "Cost", pointsOf(results).some((point) => list(point.runs).length), (section) => section.append(costTable(results)));
   part("changes", "What changed since the baseline", true, (section) => drawChanges(section, results));
-  part("history", "History of baselines", list(results.history).length, (section) => section.append(historyTable(results.history)));
+  part("history", "History of baselines", list(results.history).length, (section) => drawHistory(section, results));
 }
 
 const titled = (title) => make("h4", {}, title);

@@ -48,9 +48,12 @@ function envelope(lines, beyond) {
           low: reduced((v) => Math.min(...v)), high: reduced((v) => Math.max(...v))};
 }
 
+/** Asked for at every drawing: what is set once is kept from before the colours are known. */
+const ofLine = ({dataset}) => dataset.borderColor;
+
 function lineSet(code, label, data) {
   return {code, label, data, borderDash: codeOf(code).dash, borderWidth: codeOf(code).line.includes("thin") ? 1 : 2,
-          pointRadius: 0, pointHitRadius: 6, tension: 0, fill: false};
+          pointRadius: 0, pointHitRadius: 6, pointBackgroundColor: ofLine, pointBorderColor: ofLine, tension: 0, fill: false};
 }
 
 /** What one chart holds for the runs' `line(run)`: a line for each continuum run; for a discrete code its runs' mean and band. */

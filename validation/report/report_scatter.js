@@ -1,5 +1,5 @@
 // The charts of the summary: continuum against reference, as a ratio for all observables at once and in its own units for one of
-// them; and the raw discharge rates.
+// them; the raw discharge rates; and the baselines, one after the other.
 "use strict";
 
 const MARKS = {PASS: "circle", FAIL: "crossRot", INCONCLUSIVE: "rect"};
@@ -97,30 +97,66 @@ function agreementData(results, key) {
     ...(isNumber(band) ? [guide(1 + band, `band ${plusMinus(band)}`), guide(1 - band, `band ${plusMinus(band)}`)] : [])]};
 }
 
-function drawAgreement(parent, results) {
-  const comparable = allRows(results, "truth").filter((row) => isNumber(row.continuum?.mean) && isNumber(row.reference) && !isDistance(row.observable));
-  const present = new Set(comparable.map((row) => row.observable));
+/** A chart of one observable at a time, which a menu chooses: `draw(place, observable)` adds and returns it. */
+function chosenChart(parent, text, keys, draw) {
+  const present = new Set(keys);
   const observables = [...Object.keys(QUANTITIES).filter((key) => present.delete(key)), ...present];
   if (!observables.length) return;
   const place = make("div");
   const chooser = make("select", {}, observables.map((key) => make("option", {value: key}, labelOf(key))));
-  parent.append(make("label", {class: "chooser"}, "One observable in its own unit: ", chooser), place);
+  parent.append(make("label", {class: "chooser"}, text, chooser), place);
   let kept = null;
   const show = () => {
-    const key = chooser.value;
-    const {items, most, sets} = agreementData(results, key);
-    const unit = unitText(items[0].row.unit);
     if (kept) { kept.chart.destroy(); figures.splice(figures.indexOf(kept.figure), 1); }
     place.replaceChildren();
-    const inUnit = unit ? ` (${unit})` : "";
-    const chart = addChart(place, {type: "scatter", caption: `Continuum against DEM reference: ${labelOf(key)}.`, note: "Bar: ± k·u.",
-      description: `Scatter chart of ${labelOf(key)}, continuum against reference, ${items.length} points.`, sets, plugins: [errorBars],
-      tip: ({point, row}) => [nameOf(point), `continuum ${number(row.continuum.mean)}, reference ${number(row.reference)}${inUnit}`],
-      scales: {x: axis(`reference${inUnit}`, {max: most}), y: axis(`continuum${inUnit}`, {max: most})}});
-    kept = {chart, figure: figures.at(-1)};
+    kept = {chart: draw(place, chooser.value), figure: figures.at(-1)};
   };
   chooser.addEventListener("change", show);
   show();
+}
+
+function drawAgreement(parent, results) {
+  const comparable = allRows(results, "truth").filter((row) => isNumber(row.continuum?.mean) && isNumber(row.reference) && !isDistance(row.observable));
+  chosenChart(parent, "One observable in its own unit: ", comparable.map((row) => row.observable), (place, key) => {
+    const {items, most, sets} = agreementData(results, key);
+    const unit = unitText(items[0].row.unit);
+    const inUnit = unit ? ` (${unit})` : "";
+    return addChart(place, {type: "scatter", caption: `Continuum against DEM reference: ${labelOf(key)}.`, note: "Bar: ± k·u.",
+      description: `Scatter chart of ${labelOf(key)}, continuum against reference, ${items.length} points.`, sets, plugins: [errorBars],
+      tip: ({point, row}) => [nameOf(point), `continuum ${number(row.continuum.mean)}, reference ${number(row.reference)}${inUnit}`],
+      scales: {x: axis(`reference${inUnit}`, {max: most}), y: axis(`continuum${inUnit}`, {max: most})}});
+  });
+}
+
+const HISTORY_MARKS = ["circle", "triangle", "rect", "rectRot", "cross", "crossRot", "star"];
+
+/** What each point's observable was in one baseline after the other and is now, over its first accepted value. */
+function historySets(results, key) {
+  const accepted = list(results.history).map((entry) => list(entry.changes).filter((change) => change.observable === key));
+  const now = new Map(pointsOf(results).map((point) => [point.name, list(point.drift).find((row) => row.observable === key)?.now]));
+  return [...new Set(accepted.flat().map((change) => change.name))].map((name, k) => {
+    let value;
+    const values = [...accepted.map((changes) => value = changes.find((change) => change.name === name)?.new ?? value), now.get(name)];
+    const first = values.find(isNumber);
+    const data = values.map((y, n) => ({x: n + 1, y})).filter(({y}) => isNumber(y) && first !== 0).map(({x, y}) => ({x, y: y / first}));
+    return {...lineSet("continuum", words(name), data), pointRadius: 4.5, pointStyle: HISTORY_MARKS[k % HISTORY_MARKS.length]};
+  }).filter((set) => set.data.length);
+}
+
+function drawHistory(parent, results) {
+  const last = results.history.length + 1;
+  const keys = results.history.flatMap((entry) => list(entry.changes)).map((change) => change.observable)
+      .filter((key) => historySets(results, key).length);
+  chosenChart(parent, "One observable through all baselines: ", keys, (place, key) => {
+    const sets = historySets(results, key);
+    return addChart(place, {caption: `The continuum's ${labelOf(key)} in all accepted baselines, and now.`, note: "Over what was first accepted; a line for each point.",
+      sets, description: `Line chart of the continuum's ${labelOf(key)} through the baselines, over the first. At last: ${lastValues(sets)}.`,
+      scales: {x: axis("accepted baseline", {min: 0.5, max: last + 0.5, afterBuildTicks: (scale) => {
+        scale.ticks = Array.from({length: last}, (_, n) => ({value: n + 1})); },
+      ticks: {font: {size: chartFont(12)}, callback: (value) => value === last ? "now" : String(value)}}),
+      y: axis("over the first", {beginAtZero: false, suggestedMin: 0.98, suggestedMax: 1.02})}});
+  });
+  parent.append(historyTable(results.history));
 }
 
 function drawDischarge(parent, fits) {

@@ -16,7 +16,7 @@
 
 namespace talus::testing {
 
-inline constexpr int summary_charts = 3;  // all observables, one of them, discharge
+inline constexpr int summary_charts = 4;  // all observables, one of them, discharge, history
 // Four curves, profile, animation, fields of the column; the slot's mass; the heap's profile.
 inline constexpr int all_charts = summary_charts + 7 + 1 + 1;
 inline constexpr const char* every_point = "#all";

@@ -67,6 +67,7 @@ TEST_F(Report, DrawsEverything) {
   EXPECT_EQ(count_of(page, "<canvas"),
             count_of(page, "aria-label=\"Line chart") + count_of(page, "aria-label=\"Scatter chart") +
                 count_of(page, "aria-label=\"Side view") + count_of(page, "aria-label=\"Fields of"));
+  EXPECT_THAT(page, HasSubstr("through the baselines, over the first. At last: column_collapse/a_1: 1.0"));
   EXPECT_EQ(count_of(page, "aria-label=\"Side view"), 3u);  // a code each
   EXPECT_EQ(count_of(page, "aria-label=\"Fields of"), 9u);  // at three moments each
   EXPECT_THAT(page, Not(HasSubstr("could not be drawn")));

@@ -279,6 +279,10 @@ json sample_results() {
   history[0]["changes"] = {
       {{"name", "column_collapse/a_1"}, {"observable", "x95"}, {"old", nullptr}, {"new", 1.7331}},
       {{"name", "long_gone/point"}, {"observable", "x95"}, {"old", 1.71}, {"new", 1.72}}};
+  history.push_back(baseline);
+  history[1]["why"] = "second baseline";
+  history[1]["changes"] = {
+      {{"name", "column_collapse/a_1"}, {"observable", "x95"}, {"old", 1.7331}, {"new", 1.78}}};
   return {{"schema", "talus-results"},
           {"schema_version", 2},
           {"suite", "smoke"},
