@@ -7,6 +7,7 @@
 #include <atomic>
 #include <csignal>
 #include <iterator>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -190,6 +191,13 @@ int check(const Arguments& arguments) {
 int table(const Arguments& arguments) {
   fmt::print("{}\nDischarge of the slots, W = C rho_b sqrt(g) w (D - k d)^(3/2), LIGGGHTS:\n\n{}",
              reference_table(arguments.reference), beverloo_table(arguments.reference, slot_case_file()));
+  if (arguments.reference != reference_folder()) return exit_done;
+  std::map<std::string, int> count;
+  for (const PlannedRun& run : all_planned_runs()) ++count[state_of(arguments.reference, run)];
+  fmt::print(
+      "\nOf the planned runs {} are stored, {} more are stored of other inputs than now (stale), {} are "
+      "missing; 'talus-dem list' names them.\n",
+      count["stored"], count["stale"], count["missing"]);
   return exit_done;
 }
 

@@ -61,9 +61,10 @@ TEST(PositiveShare, IsExactForLinearFunctions) {
 TEST(Openings, AWallAlongTheGridsPlanesClosesThemWhateverTheRoundOff) {
   int rounded_up = 0;
   for (const double spacing : {0.003, 0.0024, 0.0015, 0.1, 0.007}) {
+    double depth = 2.0 * spacing;  // added up, so that it rounds otherwise than a product
     for (int below = 3; below < 60; ++below) {
-      const Grid grid{
-          Vector3d(0.0, 0.0, -below * spacing), spacing, {2, 2, below + 2}, {false, false, false}};
+      depth += spacing;
+      const Grid grid{Vector3d(0.0, 0.0, -depth), spacing, {2, 2, below + 2}, {false, false, false}};
       const auto openings = make_openings(grid, plane({0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}));
       rounded_up += grid.origin.z() + spacing * below > 0.0;
       EXPECT_EQ(openings.face_share(2, grid.face_index(2, {0, 0, below})), 0.0) << spacing << ' ' << below;
