@@ -105,8 +105,9 @@ TEST(Suite, TellsSeveralFaultsAtOnce) {
   const testing::TestFolder folder;
   const auto file = tiny_suite_with(folder, "\"no_friction\"", "\"no_fiction\"");
   write_file_atomically(file, testing::replaced(read_file(file), "cells = 10", "cells = 11"));
-  EXPECT_THAT(testing::input_error([&] { read_suite(file); }),
-              AllOf(HasSubstr("must hold only: no_friction"), HasSubstr("'case[0].cells' = 11: must be even")));
+  EXPECT_THAT(
+      testing::input_error([&] { read_suite(file); }),
+      AllOf(HasSubstr("must hold only: no_friction"), HasSubstr("'case[0].cells' = 11: must be even")));
 }
 
 }  // namespace
