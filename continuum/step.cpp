@@ -65,6 +65,16 @@ Occupied occupied(State& state) {
   return {std::move(points), std::move(region)};
 }
 
+/// The momentum that faces gain, N s. Stress within the sand gives none in sum: it is that of walls and bodies.
+Eigen::Vector3d gained_momentum(const ActiveRegion& region, const Field& face_mass, const Field& gain) {
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
+  for (int f = 0; f < region.open_faces; ++f)
+    momentum[region.face_axis[static_cast<std::size_t>(f)]] += face_mass[f] * gain[f];
+  for (const WallFace& wall : region.wall_faces)
+    momentum[wall.axis] += face_mass[wall.face] * gain[wall.face];
+  return momentum;
+}
+
 void accelerate(const ActiveRegion& region, const Eigen::Vector3d& gravity, double dt, Field& velocity) {
   for (int f = 0; f < region.open_faces; ++f)
     velocity[f] += dt * gravity[region.face_axis[static_cast<std::size_t>(f)]];
@@ -145,6 +155,7 @@ struct Flow {
   std::vector<Twist> pushed;       // by the sand: what it changes
   std::vector<BodyImpulse> on_bodies;
   ProjectionReport projection;
+  Eigen::Vector3d gained;  // by the stress, N s
 };
 
 /// The bodies' twists before the sand acts: by gravity, and by contacts as these would be were the sand to push as it last did.
@@ -162,7 +173,7 @@ std::vector<Twist> twists_without_sand(const State& state, std::span<const Twist
 
 Flow flow_of(State& state, const StepSettings& settings, const ActiveRegion& region, const GridState& before,
              double dt, Stopwatch& watch, StepReport& report) {
-  Flow flow{before.velocity, initial_stress(state, settings.scheme, region, dt), {}, {}, {}, {}, {}, {}};
+  Flow flow{before.velocity, initial_stress(state, settings.scheme, region, dt), {}, {}, {}, {}, {}, {}, {}};
   std::vector<Twist> without_sand;
   if (!state.bodies.empty()) {
     flow.bodies = BodyCoupling(region, state.bodies);
@@ -172,6 +183,7 @@ Flow flow_of(State& state, const StepSettings& settings, const ActiveRegion& reg
   flow.speeds = flow.bodies.speeds(without_sand);
   report.seconds[Phase::carry_over] += watch.lap();
   accelerate(region, state.gravity, dt, flow.velocity);
+  const Field free_velocity = flow.velocity;
   const bool cold = !state.warm || state.contact_changed;
   const ProjectionReport projection =
       project(region, before, dt, state.gravity, velocity_scale(state, dt), cold, settings.projection,
@@ -181,6 +193,7 @@ Flow flow_of(State& state, const StepSettings& settings, const ActiveRegion& reg
   report.seconds[Phase::stress_other] += watch.lap() - projection.seconds.total();
   flow.projection = projection;
   require_finite(region, flow.velocity, state.time, dt);
+  flow.gained = gained_momentum(region, before.face_mass, flow.velocity - free_velocity);
   if (!flow.speeds.isFinite().all()) {
     throw NumericalError(
         fmt::format("a body's velocity is not finite at t = {:.6g} s, dt = {:.3g} s", state.time, dt));
@@ -398,6 +411,7 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   require_finite_positions(state.particles, "the step", state.time);
   wrap_positions(state.grid, state.particles.positions);
   report.on_bodies = flow.on_bodies;
+  report.solids_impulse = flow.gained;
   move_bodies(state, flow, report.dt);
   report.collisions = collide_with_walls(state.grid, state.openings, friction, state.particles, state.bodies);
   push_bodies(state, report);

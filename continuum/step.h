@@ -90,13 +90,15 @@ struct StepReport {
   ReshapeReport reshape;
   HandOverReport render_points;
   std::vector<BodyImpulse> on_bodies;  // by the sand, N s and N m s
-  double largest_move = 0.0;           // in cells
-  int retries = 0;                     // with half the time step, since a particle would have moved too far
-  int stagnations = 0;                 // and since the solves had stagnated
-  Eigen::Index particles_left = 0;     // left the domain through an open side
-  double mass_left = 0.0;              // kg
-  double mass_added = 0.0;             // kg, by sources
-  PhaseSeconds seconds;                // by the clock on the wall
+  Eigen::Vector3d solids_impulse =
+      Eigen::Vector3d::Zero();      // of walls and bodies on the sand, by stress, N s
+  double largest_move = 0.0;        // in cells
+  int retries = 0;                  // with half the time step, since a particle would have moved too far
+  int stagnations = 0;              // and since the solves had stagnated
+  Eigen::Index particles_left = 0;  // left the domain through an open side
+  double mass_left = 0.0;           // kg
+  double mass_added = 0.0;          // kg, by sources
+  PhaseSeconds seconds;             // by the clock on the wall
 
   int cap_hits() const { return projection.cap_hits + (packing.solve.converged ? 0 : 1); }
 };

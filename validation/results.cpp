@@ -9,6 +9,7 @@
 #include "continuum/files/input_error.h"
 #include "continuum/files/provenance.h"
 #include "dem_cases/time_step.h"
+#include "validation/backends/balances.h"
 #include "validation/backends/continuum.h"
 #include "validation/corrected.h"
 #include "validation/gates/drift.h"
@@ -60,6 +61,15 @@ json bands_of(const dem::Case& a_case, const json& runs) {
                      {"band", band.relative_band},
                      {"why", band.why},
                      {"measuring", measuring_uncertainty(a_case, band.name, runs)}});
+  }
+  for (const ExactLaw& law : exact_laws) {
+    if (values_of(runs, continuum_code, law.observable).empty()) continue;
+    bands.push_back({{"observable", law.observable},
+                     {"unit", "1"},
+                     {"band", law.band},
+                     {"why", law.why},
+                     {"measuring", 0.0},
+                     {"exact", 1.0}});
   }
   return bands;
 }

@@ -109,20 +109,23 @@ std::string Budget::header() {
          "pressure_iterations,packing_iterations,friction_residual_m_s,pressure_residual_m_s,cap_hits,"
          "largest_move_cells,wall_collisions,wall_impulse_x_kg_m_s,wall_impulse_y_kg_m_s,"
          "wall_impulse_z_kg_m_s,splits,merges,merge_energy_lost_j,retries,"
-         "bodies_kinetic_energy_j,bodies_potential_energy_j\n";
+         "bodies_kinetic_energy_j,bodies_potential_energy_j,solids_impulse_x_kg_m_s,solids_impulse_y_kg_m_s,"
+         "solids_impulse_z_kg_m_s\n";
 }
 
 std::string Budget::row() const {
   const StepReport& r = last_;
   return fmt::format(
-      "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+      "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}"
+      "\n",
       steps_, now_.time, r.dt, now_.particles, now_.mass, r.mass_added, r.mass_left, now_.momentum[0],
       now_.momentum[1], now_.momentum[2], now_.kinetic_energy, now_.potential_energy, r.packing.bulk_volume,
       r.packing.peak_fill, r.projection.friction_iterations, r.projection.pressure_iterations,
       r.packing.solve.iterations, r.projection.friction_residual, r.projection.pressure_residual,
       r.cap_hits(), r.largest_move, r.collisions.count, r.collisions.impulse[0], r.collisions.impulse[1],
       r.collisions.impulse[2], r.reshape.split.splits, r.reshape.merge.merges, r.reshape.merge.energy_lost,
-      r.retries, now_.bodies_kinetic_energy, now_.bodies_potential_energy);
+      r.retries, now_.bodies_kinetic_energy, now_.bodies_potential_energy, r.solids_impulse[0],
+      r.solids_impulse[1], r.solids_impulse[2]);
 }
 
 nlohmann::json Budget::summary() const {

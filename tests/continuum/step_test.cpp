@@ -303,6 +303,53 @@ TEST(StepBesideWalls, SandShutInOnEverySideHasFiniteBooks) {
   EXPECT_EQ(report.cap_hits(), 0);
 }
 
+Vector3d momentum_of(const Particles& particles) { return particles.velocities * particles.masses.matrix(); }
+
+/// Sand on a floor, against a wall, beside a fixed ball, and under a heavy one that is free.
+State supported_sand() {
+  Scene scene = testing::box_scene({14, 12, 10}, {7.0, 12.0, 6.0}, h, 0.5);
+  scene.sides[0] = {Side{true, 0.0}, Side{true, 0.3}};
+  scene.sides[1] = {Side{true, 0.3}, Side{true, 0.3}};
+  scene.sides[2][0] = {true, 0.5};
+  scene.walls = {{Shape{Sphere{{0.09, 0.05, 0.0}, 0.02}}, 0.3}};
+  scene.jitter = 0.5;
+  State state = initial_state(scene);
+  add_bodies(state, {make_body("ball", Shape{Sphere{{0.03, 0.06, 0.085}, 0.02}}, 8000.0, Free{}, {})});
+  return state;
+}
+
+TEST(SolidsImpulse, IsWhatTheMomentumOfSandLacksWithGravity) {
+  for (const Transfer transfer : {Transfer::flip, Transfer::apic}) {
+    State state = supported_sand();
+    StepSettings settings;
+    settings.transfer = transfer;
+    const double mass = state.particles.masses.sum();
+    Vector3d before = momentum_of(state.particles);
+    double pushed = 0.0;
+    testing::run_for(state, settings, 0.2, [&](const State& now, const StepReport& report) {
+      const Vector3d after = momentum_of(now.particles);
+      const Vector3d expected = after - before - report.dt * mass * now.gravity - report.collisions.impulse;
+      EXPECT_LT((report.solids_impulse - expected).norm(), 1e-9 * mass * gravity * report.dt);
+      before = after;
+      pushed = std::max(pushed, report.on_bodies[0].linear[2]);
+    });
+    EXPECT_GT(pushed, 0.0);
+  }
+}
+
+TEST(SolidsImpulse, BearsTheWeightOfSandAtRest) {
+  State state = supported_sand();
+  const double weight = state.particles.masses.sum() * gravity;
+  testing::run_for(state, StepSettings{}, 0.8, [](const State&, const StepReport&) {});
+  Vector3d impulse = Vector3d::Zero();
+  constexpr double time = 0.1;
+  testing::run_for(state, StepSettings{}, time, [&](const State&, const StepReport& report) {
+    impulse += report.solids_impulse + report.collisions.impulse;
+  });
+  EXPECT_NEAR(impulse[2] / (time * weight), 1.0, 0.01);
+  EXPECT_NEAR(impulse[0] / (time * weight), 0.0, 0.01);
+}
+
 /// A heap beside a ball that collapses, after some steps on `threads`.
 State collapsed(int threads, Transfer transfer) {
   Scene scene = testing::box_scene({14, 12, 10}, {7.0, 12.0, 8.0}, 0.01, 0.5);

@@ -13,6 +13,7 @@
 #include "dem_cases/falling_sphere.h"
 #include "dem_cases/measure.h"
 #include "dem_cases/reference/plan.h"
+#include "validation/backends/balances.h"
 
 namespace talus::validation {
 namespace {
@@ -92,6 +93,12 @@ nlohmann::json measure_run(const ContinuumRequest& request, const std::filesyste
   const double thickness = cell_size(request.a_case, request.resolution.cells);
   nlohmann::json measured =
       dem::measure(request.a_case, series, thickness, dem::read_track(request.a_case, folder));
+  const double densest_bulk = request.a_case.grains.density * request.material.max_volume_fraction;
+  const Balances balances =
+      read_balances(folder / "budget.csv", densest_bulk, request.a_case.protocol.gravity);
+  auto& observables = measured["observables"];
+  observables["bulk_density"] = balances.bulk_density;
+  if (observables.contains("at_rest")) observables["support"] = balances.support;
   measured["solver"] = nlohmann::json::parse(read_file(folder / "run.json")).at("budget");
   measured["count"] = series.back().volumes.size();
   measured["time_step_s"] = measured["solver"].at("longest_step_s");

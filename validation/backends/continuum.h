@@ -24,7 +24,8 @@ struct ContinuumRequest {
 /// What decides the solver's results (provenance.h, solver_line), as the program itself tells it. Throws InputError when it is not built.
 const std::string& continuum_version();
 
-/// The run's record holds, beside what dem::measure gives: "solver" (the budget's summary), "count" (particles at the end),
+/// The run's record holds, beside what dem::measure gives: among the observables "bulk_density" and, of cases that come to rest,
+/// "support" (balances.h), "solver" (the budget's summary), "count" (particles at the end),
 /// "time_step_s" (the longest), "thickness_m". Throws
 /// InputError when the program is not built or the continuum cannot run the case.
 dem::PlannedRun continuum_run(const ContinuumRequest& request);

@@ -62,14 +62,31 @@ double step_ratio(const json& runs) {
   return std::isfinite(ratio) && ratio > 1.0 ? ratio : 2.0;
 }
 
-/// Throws std::invalid_argument for numbers that are not finite.
-Comparison compare_values(const json& runs, const json& band) {
+/// Of the discrete codes; or of a law (band's "exact"), which nothing leaves uncertain.
+analysis::Uncertainty reference_of(const json& runs, const json& band) {
   const std::string observable = band.at("observable");
+  if (band.contains("exact")) {
+    return {.codes = {},
+            .value = band.at("exact"),
+            .seed_deviation = 0.0,
+            .seed_degrees_of_freedom = 0,
+            .seed_standard = 0.0,
+            .code_difference = 0.0,
+            .code_standard = 0.0,
+            .measurement_standard = 0.0,
+            .combined = 0.0};
+  }
   std::vector<analysis::CodeValues> codes;
   for (const char* code : discrete_codes) {
     if (auto values = values_of(runs, code, observable); !values.empty()) codes.push_back({code, values});
   }
-  const auto reference = analysis::combine_uncertainty(codes, band.at("measuring"));
+  return analysis::combine_uncertainty(codes, band.at("measuring"));
+}
+
+/// Throws std::invalid_argument for numbers that are not finite.
+Comparison compare_values(const json& runs, const json& band) {
+  const std::string observable = band.at("observable");
+  const auto reference = reference_of(runs, band);
   const auto model = values_of(runs, continuum_code, observable);
   const auto numerical = analysis::numerical_uncertainty({
       .standard = model,
@@ -252,6 +269,7 @@ std::optional<json> rest_row(const json& runs) {
       {"coverage_factor", coverage_factor},
       {"uncertainty", 0.0},
       {"unfit", false},
+      {"exact", true},
       {"continuum", nullptr},
       {"liggghts", nullptr},
       {"yade", nullptr},
@@ -298,8 +316,12 @@ TruthJudgement judge_truth(const json& point, const std::map<std::string, double
         {"verdict", verdict_text(judged.verdict)},
         {"why", judged.why}};
     row.update(budget_json(comparison ? comparison->budget : Budget{}));
-    for (const char* code : {continuum_code, "liggghts", "yade"})
-      row[code] = is_distance(observable) ? json() : statistics_json(values_of(runs, code, observable));
+    row["exact"] = band.contains("exact");
+    for (const char* code : {continuum_code, "liggghts", "yade"}) {
+      const bool no_number =
+          is_distance(observable) || (band.contains("exact") && std::string(code) != continuum_code);
+      row[code] = no_number ? json() : statistics_json(values_of(runs, code, observable));
+    }
     judgement.rows.push_back(std::move(row));
     worst = worse(worst, judged.verdict);
   }

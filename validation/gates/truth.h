@@ -14,6 +14,8 @@
 //
 // The band says what a user would call agreement; it stands in the case file with its reason. U is computed, never chosen.
 //
+// A law that needs no discrete code to be judged by (backends/balances.h) is a band with its "exact" value, which nothing leaves uncertain.
+//
 // at_rest is a row of its own: a deposit that rests at the end in the discrete codes and does not in the continuum is a FAIL, whatever it measures.
 //
 // profile_L1 compares whole final profiles, depth_curve_L1 a sphere's whole depth in time: the deviation is the area between the mean profiles over the reference's, never negative. Its
@@ -38,7 +40,7 @@ struct TruthJudgement {
 /// Why the runs of a point cannot be judged, whatever their figures: one is not at rest, or has unconverged solves. Empty when they can.
 std::string why_unfit(const nlohmann::json& runs);
 
-/// `point`: of results.json, with "bands" [{observable, unit, band, why, measuring}] and "runs". `measuring` is the standard uncertainty
+/// `point`: of results.json, with "bands" [{observable, unit, band, why, measuring}], where a law's has "exact" too, and "runs". `measuring` is the standard uncertainty
 /// that the ruler itself adds, in the observable's unit. A point without the continuum's runs has no judgement: no rows, and
 /// inconclusive. `code_spread`: by observable, the relative standard uncertainty u_codes to take where one discrete code alone ran; without it
 /// such a row is inconclusive.

@@ -48,9 +48,9 @@ const bandStrips = (bands) => ({id: "bandStrips", beforeDraw(chart) {
   pen.restore();
 }});
 
-/** All observables of all points: continuum / reference, the band as a strip, the bar +- k u. */
+/** All observables of all points, but for laws that no discrete code is asked of: continuum / reference, the band as a strip, the bar +- k u. */
 function drawRatios(parent, results) {
-  const compared = pointsOf(results).flatMap((point) => list(point.truth).filter((row) => isNumber(row.deviation)).map((row) => ({point, row})));
+  const compared = pointsOf(results).flatMap((point) => list(point.truth).filter((row) => isNumber(row.deviation) && !row.exact).map((row) => ({point, row})));
   if (!compared.length) {
     parent.append(absent("There is nothing to plot."));
     return;
@@ -116,7 +116,7 @@ function chosenChart(parent, text, keys, draw) {
 }
 
 function drawAgreement(parent, results) {
-  const comparable = allRows(results, "truth").filter((row) => isNumber(row.continuum?.mean) && isNumber(row.reference) && !isDistance(row.observable));
+  const comparable = allRows(results, "truth").filter((row) => isNumber(row.continuum?.mean) && isNumber(row.reference) && !isDistance(row.observable) && !row.exact);
   chosenChart(parent, "One observable in its own unit: ", comparable.map((row) => row.observable), (place, key) => {
     const {items, most, sets} = agreementData(results, key);
     const unit = unitText(items[0].row.unit);

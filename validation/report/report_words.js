@@ -31,6 +31,7 @@ const QUANTITIES = {
   repose_angle_sector_deviation: ["between sectors", "°"], crest_height: ["crest height", "m"],
   settled_height: ["settled height", "length"], settled_volume_fraction: ["settled volume fraction", "1"],
   volume_fraction: ["volume fraction", "1"], lost_volume: ["lost volume", "1"], at_rest: ["at rest", ""],
+  bulk_density: ["bulk density over its limit", "1"], support: ["weight borne by floor and walls", "1"],
   penetration_depth: ["penetration depth", "m"], depth: ["depth of the sphere", "m"], speed: ["speed of the sphere", "m/s"],
   depth_curve_L1: ["depth in time, L1 distance", "1"], contact_speed: ["speed at contact", "m/s"],
   mass_error: ["mass error", "1"], rayleigh_fraction: ["step / Rayleigh time", "1"], hertz_fraction: ["step / Hertz time", "1"],

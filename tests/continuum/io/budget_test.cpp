@@ -82,6 +82,8 @@ TEST(Budget, WhatAStepReportsIsInItsRowAndInTheSums) {
   report.reshape.merge.merges = 17;
   report.largest_move = 0.375;
   report.retries = 1;
+  report.collisions.impulse = {1.5, 2.5, 3.5};
+  report.solids_impulse = {4.5, 5.5, 6.5};
   budget.add(state, report);
   const auto row = row_of(budget);
   const std::map<std::string, double> expected{{"dt_s", 0.5},
@@ -95,6 +97,12 @@ TEST(Budget, WhatAStepReportsIsInItsRowAndInTheSums) {
                                                {"splits", 13},
                                                {"merges", 17},
                                                {"largest_move_cells", 0.375},
+                                               {"wall_impulse_x_kg_m_s", 1.5},
+                                               {"wall_impulse_y_kg_m_s", 2.5},
+                                               {"wall_impulse_z_kg_m_s", 3.5},
+                                               {"solids_impulse_x_kg_m_s", 4.5},
+                                               {"solids_impulse_y_kg_m_s", 5.5},
+                                               {"solids_impulse_z_kg_m_s", 6.5},
                                                {"retries", 1}};
   for (const auto& [name, value] : expected) EXPECT_EQ(row.at(name), value) << name;
   report.dt = 0.25;

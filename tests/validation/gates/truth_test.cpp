@@ -72,6 +72,24 @@ TEST(TruthGate, ReportsTheFiguresItJudgedBy) {
   EXPECT_NEAR(row["uncertainty"].get<double>(), 2.0 * std::hypot(u_reference, u_numerical), 1e-12);
 }
 
+TEST(TruthGate, ALawNeedsNoDiscreteCode) {
+  const auto judged = [](double continuum, double lattice_spread) {
+    json point = Point{.continuum = continuum, .lattice_spread = lattice_spread, .yade = 1.5, .band = 0.01}();
+    point["bands"][0]["exact"] = 1.0;
+    return judge_truth(point);
+  };
+  const auto row = judged(1.005, 1e-4).rows.at(0);
+  EXPECT_EQ(row["verdict"], "PASS") << row.dump();
+  EXPECT_EQ(row["reference"], 1.0);
+  EXPECT_EQ(row["u_reference"]["combined"], 0.0);
+  EXPECT_TRUE(row["yade"].is_null());
+  EXPECT_EQ(row["continuum"]["n"], 2);
+  EXPECT_EQ(judged(1.03, 1e-4).verdict, Verdict::fail);
+  EXPECT_EQ(judged(0.97, 1e-4).verdict, Verdict::fail);
+  EXPECT_EQ(judged(1.005, 0.02).verdict, Verdict::inconclusive);  // its own numbers are too uncertain
+  EXPECT_EQ(judged(std::nan(""), 1e-4).verdict, Verdict::inconclusive);
+}
+
 TEST(TruthGate, IsInconclusiveWhenTheReferenceCannotTell) {
   // Codes 8 % apart: u = 0.023, U = 4.6 %, less than the band; what lies between band and band + U is open.
   const Point apart{.liggghts = 0.96, .yade = 1.04};
