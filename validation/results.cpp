@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -63,7 +64,10 @@ json bands_of(const dem::Case& a_case, const json& runs) {
                      {"measuring", measuring_uncertainty(a_case, band.name, runs)}});
   }
   for (const ExactLaw& law : exact_laws) {
-    if (values_of(runs, continuum_code, law.observable).empty()) continue;
+    const auto model = runs_of(runs, continuum_code);
+    if (std::ranges::none_of(
+            model, [&](const json* run) { return run->at("observables").contains(law.observable); }))
+      continue;
     bands.push_back({{"observable", law.observable},
                      {"unit", "1"},
                      {"band", law.band},

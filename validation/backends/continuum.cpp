@@ -67,6 +67,14 @@ void check_nothing_lost(const analysis::SnapshotSeries& series) {
   }
 }
 
+/// Of the square floor that a deposit spreads on, m; 0 for other cases.
+double floor_side(const dem::Case& a_case) {
+  if (const auto* cylinder = std::get_if<dem::CylinderGeometry>(&a_case.geometry))
+    return cylinder->floor_side;
+  if (const auto* heap = std::get_if<dem::HeapGeometry>(&a_case.geometry)) return heap->floor_side;
+  return 0.0;
+}
+
 /// The far wall must not shape a deposit, nor its floor end under it.
 void check_clear_of_edges(const dem::Case& a_case, const analysis::SnapshotSeries& series) {
   const auto error = [&](double time, const char* key) {
@@ -78,9 +86,8 @@ void check_clear_of_edges(const dem::Case& a_case, const analysis::SnapshotSerie
       if (snapshot.positions.row(0).maxCoeff() > column->tank_length - a_case.grains.diameter)
         throw error(snapshot.time, "tank_length_m");
     }
-    if (const auto* cylinder = std::get_if<dem::CylinderGeometry>(&a_case.geometry)) {
-      if (snapshot.positions.topRows(2).cwiseAbs().maxCoeff() >
-          0.5 * cylinder->floor_side - a_case.grains.diameter)
+    if (const auto side = floor_side(a_case); side > 0.0) {
+      if (snapshot.positions.topRows(2).cwiseAbs().maxCoeff() > 0.5 * side - a_case.grains.diameter)
         throw error(snapshot.time, "floor_side_m");
     }
   }

@@ -71,11 +71,19 @@ std::string turned(const std::vector<Eigen::Vector2d>& corners, bool hollow) {
       hollow ? ", hollow = true" : "");
 }
 
+std::string upright_cylinder(double radius, double height) {
+  return fmt::format(
+      "{{ kind = \"cylinder\", base_m = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], radius_m = {:.17g}, "
+      "height_m = {:.17g} }}",
+      radius, height);
+}
+
 struct LayOut {
   double h;                // edge of the cells, m
   std::string smooth;      // the surface of walls, as scenes have it
   std::string flat_floor;  // that of flat floors
   std::string rough;       // that of floors of fixed grains
+  double run_time;         // s
   std::string file;
   std::optional<dem::FallingSphere> sphere;
 
@@ -101,14 +109,18 @@ struct LayOut {
             .plane_strain = false,
             .sides = {side("z_lower", rough)},
             .walls = {},
-            .sand = fmt::format("{{ kind = \"cylinder\", base_m = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], "
-                                "radius_m = {:.17g}, height_m = {:.17g} }}",
-                                g.radius, g.height)};
+            .sand = upright_cylinder(g.radius, g.height)};
   }
 
-  Layout operator()(const dem::HeapGeometry&) const {
-    throw InputError(fmt::format(
-        "{}: key 'kind' = heap: the continuum cannot lift a tube yet; leave it to the discrete codes", file));
+  Layout operator()(const dem::HeapGeometry& g) const {
+    const double half = whole_cells(0.5 * g.floor_side, h), top = whole_cells(g.height, h) + h;
+    return {.lower = {-half, -half, 0.0},
+            .upper = {half, half, top + whole_cells(g.lift_speed * run_time, h) + h},
+            .plane_strain = false,
+            .sides = {side("z_lower", rough)},
+            .walls = {},
+            .sand = upright_cylinder(g.radius, g.height),
+            .bodies = tube(g, top)};
   }
 
   Layout operator()(const dem::SlotGeometry& g) const {
@@ -172,6 +184,16 @@ struct LayOut {
         "density_kg_m3 = {:.17g}\nvelocity_m_s = {}\n{}\n",
         text_of(s.centre), s.radius, s.density, text_of({0.0, 0.0, -s.speed}), flat_floor);
   }
+
+  /// Rises as it is told, so that its density does not matter. The discrete codes' has no thickness.
+  std::string tube(const dem::HeapGeometry& g, double top) const {
+    const double outer = g.radius + 2.0 * h;  // what the grid sees
+    return fmt::format(
+        "\n[[body]]\nname = \"tube\"\nshape = {}\ndensity_kg_m3 = 1000.0\n"
+        "motion = {{ kind = \"prescribed\", velocity_m_s = {} }}\n{}\n",
+        turned({{g.radius, 0.0}, {outer, 0.0}, {outer, top}, {g.radius, top}}, false),
+        text_of({0.0, 0.0, g.lift_speed}), smooth);
+  }
 };
 
 /// [[material]] with the friction law of the calibration.
@@ -198,8 +220,8 @@ Layout layout_of(const dem::Case& a_case, double h, const Defects& defects) {
   const double factor = defects.walls_have_friction ? 1.0 : 0.0;
   return std::visit(
       LayOut{h, friction(factor * a_case.contact.wall_friction), friction(factor * a_case.contact.friction),
-             defects.walls_have_friction ? "rough = true" : friction(0.0), a_case.file.string(),
-             dem::falling_sphere(a_case)},
+             defects.walls_have_friction ? "rough = true" : friction(0.0), a_case.protocol.run_time,
+             a_case.file.string(), dem::falling_sphere(a_case)},
       a_case.geometry);
 }
 

@@ -1,7 +1,7 @@
 // Case -> scene of the continuum solver: what `talus run` is asked, as the text of a scene file.
 //
 // Quasi-2-D cases run in plane strain, one cell thick. Sand fills the nominal shape at its packing limit and is released at
-// t = 0, so no gate is needed. Floors of fixed grains are as rough as the sand; planes and shells have the case's wall friction, a falling
+// t = 0, so no gate is needed; a tube rises from then on. Floors of fixed grains are as rough as the sand; planes and shells have the case's wall friction, a falling
 // sphere that of the grains' contacts. Its
 // material constants come from the calibration: mu(I) with mu_1, mu_2, I_0 where the file has them; where it has the critical-state
 // angle theta alone, mu = sin(theta), the ratio of shear stress to mean stress in plane strain (shear_cell/README.md).
@@ -36,7 +36,7 @@ double cell_length(const dem::Case& a_case);
 /// The edge of the cells, m: about cell_length / cells, so that a whole number of them fits between the walls.
 double cell_size(const dem::Case& a_case, int cells);
 
-/// Throws InputError for a case that the continuum cannot run yet: a flat floor, a tube that is lifted.
+/// Throws InputError for a case that the continuum cannot run: a column on a flat floor.
 std::string continuum_scene(const dem::Case& a_case, const dem::MaterialConstants& material,
                             const ContinuumResolution& resolution, std::uint64_t seed,
                             const Defects& defects = {});

@@ -1,6 +1,7 @@
 #include "tests/continuum/qp/collapse_problems.h"
 
 #include <limits>
+#include <stdexcept>
 
 #include "continuum/stress/assemble.h"
 #include "continuum/stress/friction.h"
@@ -36,6 +37,41 @@ Field with_null(const Field& faces) {
 }
 
 }  // namespace
+
+const Problem& BodyStep::last(const std::string& name) const {
+  for (auto problem = problems.rbegin(); problem != problems.rend(); ++problem) {
+    if (std::visit([](const auto& qp) { return qp.name; }, *problem) == name) return *problem;
+  }
+  throw std::out_of_range(name);
+}
+
+BodyStep step_with_bodies(double tolerance) {
+  constexpr double h = 0.01;
+  Scene scene = box_scene({4, 3, 7}, {4.0, 3.0, 2.0}, h, 0.5);
+  scene.sides[0] = {Side{true, 0.3}, Side{true, 0.0}};
+  scene.sides[1] = {Side{true, 0.3}, Side{true, 0.0}};
+  scene.sides[2][0] = {true, 0.4};
+  scene.jitter = 0.5;
+  State state = initial_state(scene);
+  Body ball =
+      make_body("ball", Shape{Sphere{h * Eigen::Vector3d(1.2, 1.5, 3.1), 1.2 * h}}, 3000.0, Free{}, {});
+  Body post = make_body("post", Shape{Sphere{h * Eigen::Vector3d(3.3, 1.5, 1.5), 0.7 * h}}, 8000.0,
+                        Prescribed{.twist = {.angular_velocity = {0.0, 0.0, 5.0}}}, {});
+  ball.friction = 0.4;
+  post.friction = 0.6;
+  add_bodies(state, {ball, post});
+  StepSettings settings;
+  for (int i = 0; i < 12; ++i) step(state, settings, 1.0);
+  BodyStep recorded;
+  settings.projection.tolerance = tolerance;
+  settings.projection.max_friction_iterations = settings.projection.max_pressure_iterations = 20000;
+  settings.projection.record = [&](const Problem& problem) { recorded.problems.push_back(problem); };
+  const StepReport report = step(state, settings, 1.0);
+  if (report.cap_hits() > 0) throw std::logic_error("unconverged solves");
+  if (report.on_bodies[0].linear[2] <= 0.0) throw std::logic_error("the sand does not hold the ball");
+  recorded.stress = std::get<Stress>(state.warm->stress);
+  return recorded;
+}
 
 CollapseMoment collapse_moment(const Eigen::Vector3i& cells, int steps) {
   Scene scene = box_scene({3 * cells[0], cells[1], cells[2] + 2}, cells.cast<double>(), 0.01, 0.5);

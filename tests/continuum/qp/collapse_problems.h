@@ -2,6 +2,8 @@
 #pragma once
 
 #include <random>
+#include <string>
+#include <vector>
 
 #include "continuum/qp/problem.h"
 #include "continuum/step.h"
@@ -17,6 +19,17 @@ struct CollapseMoment {
   Field velocity;      // v* of faces, m/s
   double dt;           // s
 };
+
+/// A little sand between walls, into which a free ball sinks beside a post that is turned: the problems of one step as they were
+/// recorded, in the order in which they were solved to `tolerance` (in units of g dt), and the stress that the step ended with.
+struct BodyStep {
+  std::vector<Problem> problems;
+  Stress stress;
+
+  /// The last of that name. Throws std::out_of_range without one.
+  const Problem& last(const std::string& name) const;
+};
+BodyStep step_with_bodies(double tolerance);
 
 /// `cells` is the size of the column, in a domain three times as long; one cell across means plane strain.
 CollapseMoment collapse_moment(const Eigen::Vector3i& cells, int steps);

@@ -99,5 +99,28 @@ TEST(ConeReference, AgreesOnTheFrictionOfATinyCollapse) {
   expect_agreement(testing::friction_problem(testing::collapse_moment({2, 2, 2}, 3)));
 }
 
+// Descent by blocks is slow here: as far as it comes, both must lie within their duality gaps of the least energy.
+TEST(ConeReference, AgreesOnTheFrictionAtBodies) {
+  auto problem = std::get<ConeQp>(testing::step_with_bodies(0.01).last("friction"));
+  const double energy_before = 0.5 * (problem.mass * problem.free_velocity.square()).sum();
+  problem.settings = {1e-10 * energy_before, 200000};
+  const ConeQpSolution ours = solve(problem);
+  EXPECT_TRUE(ours.result.converged);
+  const Reference reference = coordinate_descent(problem, 2000);
+  const double our_gap = optimality_residual(problem, ours.s),
+               gap = optimality_residual(problem, reference.s),
+               apart = objective(problem, ours.s) - objective(problem, reference.s);
+  EXPECT_LT(gap, 1e-4 * energy_before);
+  EXPECT_LE(apart, our_gap);
+  EXPECT_GE(apart, -gap);
+  const double velocities =
+      (ours.velocity - reference.velocity).abs().maxCoeff() / problem.free_velocity.abs().maxCoeff();
+  EXPECT_LT(velocities, 1e-4);
+  std::printf(
+      "friction with bodies, %td values: gaps %.1e and %.1e of the initial energy, velocities differ by "
+      "%.1e\n",
+      ours.s.size(), our_gap / energy_before, gap / energy_before, velocities);
+}
+
 }  // namespace
 }  // namespace talus

@@ -119,6 +119,11 @@ TEST(Petsc, FindsThePressureOfRandomVelocities) {
                       Compare::minimisers);
 }
 
+TEST(Petsc, FindsThePressureAtBodies) {
+  expect_petsc_agrees(std::get<BoundQp>(testing::step_with_bodies(0.01).last("pressure")),
+                      Compare::minimisers);
+}
+
 TEST(Petsc, FindsThePackingCorrection) {
   std::mt19937_64 random(5);
   expect_petsc_agrees(testing::packing_problem(plane_strain(), random), Compare::minimisers);

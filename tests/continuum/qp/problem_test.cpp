@@ -98,6 +98,22 @@ TEST(ConeProblem, RecordedFrictionIsTheMatrixFreeOne) {
             1e-9 * velocity.abs().maxCoeff());
 }
 
+TEST(Problem, WhatIsRecordedWithBodiesIsWhatTheStepSolved) {
+  const testing::BodyStep step = testing::step_with_bodies(1e-4);
+  const auto& friction = std::get<ConeQp>(step.last("friction"));
+  const auto& pressure = std::get<BoundQp>(step.last("pressure"));
+  EXPECT_EQ(friction.mass.tail(12).minCoeff(),
+            0.0);  // six modes of the ball, and six that are told how to move
+  EXPECT_EQ(friction.mass.tail(12).sum(), 6.0);
+  // Stresses need not be unique; what they do is.
+  const Eigen::VectorXd by_step = friction.k * step.stress.copies.matrix(),
+                        by_problem = friction.k * solve(friction).s.matrix();
+  EXPECT_LT((by_step - by_problem).norm(), 1e-3 * by_problem.norm());
+  EXPECT_GT(by_problem.tail(12).norm(), 0.01 * by_problem.norm());
+  const Eigen::ArrayXd x = solve(pressure).x, in_step = step.stress.pressure.head(x.size());
+  EXPECT_LT((x - in_step).abs().maxCoeff(), 1e-3 * x.maxCoeff());
+}
+
 TEST(ConeProblem, ResidualIsTheDualityGap) {
   const ConeQp problem = testing::friction_problem(moment());
   const ConeQpSolution solution = solve(problem);
