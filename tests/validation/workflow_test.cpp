@@ -50,17 +50,19 @@ class Workplace {
   void tell(const std::string& file, const std::string& what) const { std::ofstream(at(file)) << what; }
   nlohmann::json results() const { return nlohmann::json::parse(read_file(at("out/results.json"))); }
 
-  std::vector<std::string> command(const std::vector<std::string>& how,
-                                   const std::string& suite = "stub") const {
+  std::vector<std::string> command(const std::vector<std::string>& how, const std::string& suite = "stub",
+                                   const std::vector<std::string>& more_config = {}) const {
     std::vector<std::string> command{"snakemake", "--snakefile", workflow};
     command.insert(command.end(), how.begin(), how.end());
     for (const std::string& word : {std::string("--config"), "suite=" + suite, std::string("output=out"),
                                     "TALUS_VALIDATE=" + program_.string()})
       command.push_back(word);
+    command.insert(command.end(), more_config.begin(), more_config.end());
     return command;
   }
-  testing::ProgramResult run(const std::vector<std::string>& how, const std::string& suite = "stub") const {
-    return run_program(command(how, suite), time_limit, folder_.path());
+  testing::ProgramResult run(const std::vector<std::string>& how, const std::string& suite = "stub",
+                             const std::vector<std::string>& more_config = {}) const {
+    return run_program(command(how, suite, more_config), time_limit, folder_.path());
   }
 
   std::vector<std::string> diary() const {
@@ -179,6 +181,14 @@ TEST(Workflow, AsksForTimeAndMemoryByTheList) {
   EXPECT_THAT(dry.output, HasSubstr("mem_mb=600"));  // 1.5 x 400
   EXPECT_THAT(dry.output, HasSubstr("runtime=40"));  // 4 x 600 s
   EXPECT_THAT(place.diary(), UnorderedElementsAre("list"));
+}
+
+TEST(Workflow, APartOfASuiteIsAskedForByItsTag) {
+  const Workplace place;
+  const auto part = place.run({"-j", "2"}, "stub", {"tag=quick ones"});
+  EXPECT_EQ(part.exit_code, 0) << part.output;
+  EXPECT_THAT(place.diary(),
+              ::testing::IsSupersetOf({"list --tag quick ones", "run --tag quick ones", "check"}));
 }
 
 TEST(Workflow, SaysWhatIsWrongWithItsInput) {
