@@ -40,35 +40,18 @@ json mutated(json point, const std::vector<json>& records) {
   return point;
 }
 
+/// Those without unconverged solves; all where none is.
+std::vector<json> converged_among(const std::vector<json>& records) {
+  std::vector<json> found;
+  std::ranges::copy_if(records, std::back_inserter(found),
+                       [](const json& record) { return record.at("solver").at("converged") == true; });
+  return found.empty() ? records : found;
+}
+
 /// What the gate says of a row by the uncertainty that it has without the mutant.
 bool found_out(const json& before, double deviation) {
   if (before.at("verdict") == "FAIL" || !before.at("uncertainty").is_number()) return false;
   return std::abs(deviation) > before.at("band").get<double>() + before.at("uncertainty").get<double>();
-}
-
-void judge_point(const json& point, const std::vector<json>& records, json& mutant) {
-  const json changed = mutated(point, records);
-  const auto rows = judge_truth(changed).rows;
-  const std::string unfit = why_unfit(changed.at("runs"));
-  if (!unfit.empty()) mutant["not_judged"].push_back({{"name", point.at("name")}, {"why", unfit}});
-  for (const auto& row : rows) {
-    const auto& observable = row.at("observable");
-    const auto found = std::ranges::find_if(
-        point.at("truth"), [&](const json& one) { return one.at("observable") == observable; });
-    if (found == point.at("truth").end()) continue;
-    const json& before = *found;
-    const auto& deviation = row.at("deviation");
-    const bool judged = observable == "at_rest" || unfit.empty();
-    const bool fails = judged && deviation.is_number() && found_out(before, deviation);
-    mutant["rows"].push_back({{"name", point.at("name")},
-                              {"observable", observable},
-                              {"deviation", deviation},
-                              {"before", before.at("deviation")},
-                              {"verdict", fails ? "FAIL" : before.at("verdict").get<std::string>()}});
-    if (fails) {
-      mutant["by"].push_back({{"name", point.at("name")}, {"observable", observable}, {"verdict", "FAIL"}});
-    }
-  }
 }
 
 const dem::Case& case_of(const Suite& suite, const std::string& point) {
@@ -109,13 +92,38 @@ json try_mutant(const Mutant& mutant, const Suite& suite, const json& results,
               ? json{{"name", point.at("name")}, {"observable", "the deposit's place"}, {"verdict", "FAIL"}}
               : json{{"name", point.at("name")}, {"why", "a run ended in an error"}});
     else if (!records.empty())
-      judge_point(point, records, tried);
+      judge_mutant(point, records, tried);
   }
   tried["killed"] = !tried["by"].empty();
   return tried;
 }
 
 }  // namespace
+
+void judge_mutant(const json& point, const std::vector<json>& records, json& mutant) {
+  const json changed = mutated(point, converged_among(records));
+  const auto rows = judge_truth(changed).rows;
+  const std::string unfit = why_unfit(changed.at("runs"));
+  if (!unfit.empty()) mutant["not_judged"].push_back({{"name", point.at("name")}, {"why", unfit}});
+  for (const auto& row : rows) {
+    const auto& observable = row.at("observable");
+    const auto found = std::ranges::find_if(
+        point.at("truth"), [&](const json& one) { return one.at("observable") == observable; });
+    if (found == point.at("truth").end()) continue;
+    const json& before = *found;
+    const auto& deviation = row.at("deviation");
+    const bool judged = observable == "at_rest" || unfit.empty();
+    const bool fails = judged && deviation.is_number() && found_out(before, deviation);
+    mutant["rows"].push_back({{"name", point.at("name")},
+                              {"observable", observable},
+                              {"deviation", deviation},
+                              {"before", before.at("deviation")},
+                              {"verdict", fails ? "FAIL" : before.at("verdict").get<std::string>()}});
+    if (fails) {
+      mutant["by"].push_back({{"name", point.at("name")}, {"observable", observable}, {"verdict", "FAIL"}});
+    }
+  }
+}
 
 json try_mutants(const Suite& suite, const json& results, const std::filesystem::path& output,
                  const MakingOptions& options) {

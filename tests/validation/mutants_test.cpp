@@ -19,6 +19,47 @@ TEST(Mutants, AreTheOnesThatTheGateMustKnow) {
   EXPECT_EQ(find_mutant("no_friction")->defects.friction_factor, 0.0);
 }
 
+/// Of two seeds, the first with unconverged solves or not; x95 is 1.0 +- .05 in the sound solver and the discrete codes.
+nlohmann::json judged(const std::vector<double>& x95, bool first_converged, bool second_converged = true) {
+  const auto record = [](const std::string& code, int seed, double value, bool converged) {
+    return nlohmann::json{{"code", code},
+                          {"seed", seed},
+                          {"observables", {{"x95", value}}},
+                          {"solver", {{"converged", converged}}}};
+  };
+  const nlohmann::json band{
+      {"observable", "x95"}, {"unit", "L0"}, {"band", 0.05}, {"why", "test"}, {"measuring", 0.0}};
+  const nlohmann::json before{
+      {"observable", "x95"}, {"verdict", "PASS"}, {"uncertainty", 0.02}, {"band", 0.05}, {"deviation", 0.0}};
+  const nlohmann::json point{{"name", "column/a_1"},
+                             {"bands", {band}},
+                             {"truth", {before}},
+                             {"runs", {record("liggghts", 1, 1.0, true), record("liggghts", 2, 1.0, true)}}};
+  nlohmann::json mutant{{"rows", nlohmann::json::array()},
+                        {"by", nlohmann::json::array()},
+                        {"not_judged", nlohmann::json::array()}};
+  judge_mutant(
+      point,
+      {record("continuum", 1, x95[0], first_converged), record("continuum", 2, x95[1], second_converged)},
+      mutant);
+  return mutant;
+}
+
+TEST(Mutants, AreFoundOutBeyondBandAndUncertainty) {
+  EXPECT_EQ(judged({1.06, 1.06}, true)["by"].size(), 0u);
+  EXPECT_EQ(judged({1.08, 1.08}, true)["by"].size(), 1u);
+  EXPECT_EQ(judged({0.92, 0.92}, true)["by"][0]["observable"], "x95");
+}
+
+TEST(Mutants, WhatDidNotConvergeFindsOutNothing) {
+  EXPECT_EQ(judged({9.0, 1.0}, false)["by"].size(), 0u);
+  EXPECT_EQ(judged({1.0, 9.0}, false)["by"].size(), 1u);
+  EXPECT_EQ(judged({1.0, 9.0}, false)["not_judged"].size(), 0u);
+  const auto neither = judged({9.0, 9.0}, false, false);
+  EXPECT_EQ(neither["by"].size(), 0u);
+  EXPECT_EQ(neither["not_judged"].size(), 1u);
+}
+
 TEST(Mutants, TheTableSaysWhoSurvives) {
   const nlohmann::json mutants{
       {{"title", "no friction"},
