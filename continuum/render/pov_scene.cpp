@@ -109,20 +109,17 @@ std::string matrix_of(const Eigen::Matrix3d& columns, const Vector3d& translatio
 struct WriteGeometry {
   Text& text;
 
-  bool operator()(const Plane& plane) const {
+  void operator()(const Plane& plane) const {
     text.add("plane {{ {}, {:.9g}", text_of(plane.normal), plane.normal.dot(plane.point));
-    return true;
   }
-  bool operator()(const Box& box) const {
+  void operator()(const Box& box) const {
     text.add("box {{ {}, {} {}", text_of(Vector3d(-box.half_size)), text_of(box.half_size),
              matrix_of(box.rotation, box.centre));
-    return true;
   }
-  bool operator()(const Sphere& sphere) const {
+  void operator()(const Sphere& sphere) const {
     text.add("sphere {{ {}, {:.9g}", text_of(sphere.centre), sphere.radius);
-    return true;
   }
-  bool operator()(const Revolved& solid) const {  // POV-Ray turns profiles about y
+  void operator()(const Revolved& solid) const {  // POV-Ray turns profiles about y
     text.add("lathe {{ linear_spline {}", solid.profile.size() + 1);
     for (std::size_t i = 0; i <= solid.profile.size(); ++i) {
       const Eigen::Vector2d& corner = solid.profile[i % solid.profile.size()];
@@ -133,21 +130,24 @@ struct WriteGeometry {
     axes.col(0) = solid.axis.unitOrthogonal();
     axes.col(2) = axes.col(0).cross(axes.col(1));
     text.add(" {}", matrix_of(axes, solid.base));
-    return true;
   }
-  bool operator()(const Capsule& capsule) const {
+  void operator()(const Capsule& capsule) const {
     text.add("sphere_sweep {{ linear_spline 2, {}, {:.9g}, {}, {:.9g}", text_of(capsule.from), capsule.radius,
              text_of(capsule.to), capsule.radius);
-    return true;
   }
-  bool operator()(const Mesh&) const { return false; }
-  bool operator()(const SampledMesh&) const { return false; }  // of bodies alone, which have a surface
+  void operator()(const Mesh& mesh) const {
+    const std::vector<Triangle> triangles = triangles_of(mesh);
+    text.add("mesh {{ ");
+    for (const auto& [a, b, c] : triangles)
+      text.add("triangle {{ {}, {}, {} }}\n", text_of(a), text_of(b), text_of(c));
+  }
+  void operator()(const SampledMesh&) const {}  // of bodies alone, which have a surface of their own
 };
 
 /// Hollow ones are of clear glass that bends no ray; solid ones are left out where the viewer would stand in them.
 void write_wall(const Wall& wall, const Camera& camera, Text& text) {
   if (!wall.shape.hollow && signed_distance(wall.shape, camera.position) <= 0.0) return;
-  if (!std::visit(WriteGeometry{text}, wall.shape.geometry)) return;
+  std::visit(WriteGeometry{text}, wall.shape.geometry);
   if (wall.shape.hollow)
     text.add(
         " pigment {{ srgbt <0.90,0.96,0.98,0.90> }} finish {{ diffuse 0.5 specular 0.5 roughness 0.01 }} "
@@ -210,12 +210,6 @@ void write_sand(const RenderFrame& frame, const Look& look, double smallest, Tex
 Eigen::Vector3d default_sun(const Scene& scene) {
   const ViewAxes axes = view_axes(scene);
   return (-axes.right - 0.2 * axes.away + 0.95 * axes.up).normalized();
-}
-
-int undrawn_walls(const Scene& scene) {
-  return static_cast<int>(std::count_if(scene.walls.begin(), scene.walls.end(), [](const Wall& wall) {
-    return std::holds_alternative<Mesh>(wall.shape.geometry);
-  }));
 }
 
 void write_pov_scene(const std::filesystem::path& file, const RunFolder& run, const RenderFrame& frame,

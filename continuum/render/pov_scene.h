@@ -25,9 +25,6 @@ struct Look {
 /// Where the sun stands unless a user says so: to the left of the viewer, 43 degrees high. A unit vector.
 Eigen::Vector3d default_sun(const Scene& scene);
 
-/// The run's walls that are meshes, of which only the distance is known, so that they are not drawn.
-int undrawn_walls(const Scene& scene);
-
 /// Writes the scene of a frame. Throws InputError when the file cannot be written to, or a body has no place yet.
 void write_pov_scene(const std::filesystem::path& file, const RunFolder& run, const RenderFrame& frame,
                      const Look& look);

@@ -110,8 +110,6 @@ void render(const RenderOptions& options) {
   const std::filesystem::path output = options.output.value_or(options.run / "pictures");
   make_writable_folder(output);
   const Look look = look_of(run, options);
-  if (const int undrawn = undrawn_walls(run.scene); undrawn > 0)
-    spdlog::warn("{} walls are meshes, and are not drawn", undrawn);
   std::vector<std::string> pictures;
   for (const std::size_t index : frames) {
     const std::string name = fmt::format("frame_{:06}", index), scene = name + ".pov";

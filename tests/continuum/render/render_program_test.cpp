@@ -220,6 +220,32 @@ TEST(TalusRender, DrawsWallsThatStandAndNotThoseThatAreOpen) {
   EXPECT_GT((closed - open).norm(), 20.0);
 }
 
+TEST(TalusRender, DrawsMeshesAsTheShapesThatTheyAre) {
+  const auto picture = [](const std::string& shape) {
+    const TestFolder folder;
+    // Like the box that it stands for; on the lit side, where no sand comes.
+    write_file_atomically(folder.path() / "block.obj",
+                          "v 0 0.03 0\nv 0.02 0.03 0\nv 0.02 0.07 0\nv 0 0.07 0\nv 0 0.03 0.02\n"
+                          "v 0.02 0.03 0.02\nv 0.02 0.07 0.02\nv 0 0.07 0.02\n"
+                          "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+    const auto run =
+        run_scene(folder.path(), testing::with_points + "[[wall]]\nrough = true\nshape = " + shape);
+    const auto result =
+        run_program(render_command(run, folder.path(),
+                                   {"--frames", "0", "--camera", "0.05", "0.05", "0.4", "--look-at", "0.05",
+                                    "0.05", "0", "--field-of-view", "20"}));
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return colour_at(read_png(folder.path() / "frame_000000.png"), 0.012, middle, 0.02);
+  };
+  const Colour as_box =
+                   picture("{ kind = \"box\", lower_m = [0.0, 0.03, 0.0], upper_m = [0.02, 0.07, 0.02] }\n"),
+               as_mesh = picture("{ kind = \"mesh\", file = \"block.obj\" }\n"),
+               elsewhere = picture(
+                   "{ kind = \"box\", lower_m = [0.0, 0.0, 0.0], upper_m = [0.001, 0.001, 0.001] }\n");
+  EXPECT_LT((as_mesh - as_box).norm(), 2.0);
+  EXPECT_GT((as_mesh - elsewhere).norm(), 20.0);
+}
+
 TEST(TalusRender, MakesAFilm) {
   const TestFolder folder;
   const auto result =
@@ -237,6 +263,17 @@ TEST(TalusRender, MakesAFilm) {
                                    "stream=codec_name,width,height,r_frame_rate,nb_read_frames", "-of",
                                    "csv=p=0", (folder.path() / "sand.mp4").string()});
   EXPECT_THAT(probed.output, HasSubstr(fmt::format("h264,{},{},10/1,3", width, height)));
+}
+
+TEST(TalusRender, MakesAFilmForTheWeb) {
+  const TestFolder folder;
+  const auto result = run_program(render_command(
+      finished_run(), folder.path(), {"--frames", "0,last", "--samples", "1", "--film", "sand.webm"}));
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const auto probed = run_program({"ffprobe", "-v", "error", "-count_frames", "-show_entries",
+                                   "stream=codec_name,width,height,nb_read_frames", "-of", "csv=p=0",
+                                   (folder.path() / "sand.webm").string()});
+  EXPECT_THAT(probed.output, HasSubstr(fmt::format("vp9,{},{},2", width, height)));
 }
 
 TEST(TalusRender, TellsWhatIsWrong) {
