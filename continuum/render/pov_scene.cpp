@@ -137,7 +137,7 @@ struct WriteGeometry {
   }
   void operator()(const Mesh& mesh) const {
     const std::vector<Triangle> triangles = triangles_of(mesh);
-    text.add("mesh {{ ");
+    text.add("mesh {{\n");
     for (const auto& [a, b, c] : triangles)
       text.add("triangle {{ {}, {}, {} }}\n", text_of(a), text_of(b), text_of(c));
   }

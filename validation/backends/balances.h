@@ -8,10 +8,10 @@ namespace talus::validation {
 
 /// Means over the last tenth of a run's time, or of the time until all sand has left.
 struct Balances {
-  double
-      bulk_density;  // mass over bulk volume, as a share of the densest that is allowed: 1, and more where cells are overfull
-  double
-      support;  // the force of floor, walls and bodies against gravity, as a share of the sand's weight: 1 at rest
+  /// Mass over bulk volume, as a share of the densest that is allowed: 1, and more where cells are overfull.
+  double bulk_density;
+  /// The force of floor, walls and bodies against gravity, as a share of the sand's weight: 1 at rest.
+  double support;
 };
 
 /// Reads the budget.csv of a run. `densest_bulk` is grain density times packing limit, kg/m^3; `gravity` m/s^2, along -z. Throws
