@@ -110,7 +110,14 @@ void make_writable_folder(const std::filesystem::path& folder) {
   std::error_code why;
   std::filesystem::create_directories(folder, why);
   if (why) throw InputError(fmt::format("{}: cannot make this folder: {}", folder.string(), why.message()));
-  const auto probe = folder / fmt::format(".writable-{}", ::getpid());
+  // A file without a name leaves nothing, wherever the process is killed. Not every file system has such.
+  const int descriptor = ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+  if (descriptor >= 0) {
+    ::close(descriptor);
+    return;
+  }
+  if (errno != EOPNOTSUPP) fail(folder, "cannot write here");
+  const auto probe = folder / ".writable";
   write_file_atomically(probe, "");
   std::filesystem::remove(probe);
 }

@@ -9,10 +9,11 @@ set(dirty false)
 if(changes)
   set(dirty true)
 endif()
-# What decides the solver's results: its code, and how snapshots are written. Documents, scenes, pictures and other programs do not.
+# What decides the solver's results: its code, and how snapshots are written. Documents, scenes, pictures, the other commands of talus
+# and other programs do not.
 file(GLOB_RECURSE sources ${SOURCE_DIR}/continuum/*.h ${SOURCE_DIR}/continuum/*.cpp ${SOURCE_DIR}/continuum/CMakeLists.txt
      ${SOURCE_DIR}/analysis/snapshot* ${SOURCE_DIR}/analysis/series_file*)
-list(FILTER sources EXCLUDE REGEX "/continuum/render/")
+list(FILTER sources EXCLUDE REGEX "/continuum/(render/|program/(bench|check)\\.)")
 list(SORT sources)
 set(all "")
 foreach(source ${sources})

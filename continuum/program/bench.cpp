@@ -1,9 +1,12 @@
 #include "continuum/program/bench.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <sys/resource.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
@@ -16,20 +19,30 @@ namespace {
 
 constexpr double nanoseconds = 1e9;
 
-/// What the process has used so far.
-struct Usage {
-  double cpu_seconds;  // user + system, of all threads
-  double peak_mb;      // of memory, 10^6 bytes
-};
-
-Usage usage_now() {
+/// User and system seconds of the process so far, of all its threads.
+double cpu_seconds() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   const auto seconds = [](const timeval& t) {
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   };
-  return {seconds(usage.ru_utime) + seconds(usage.ru_stime),
-          static_cast<double>(usage.ru_maxrss) * 1024.0 / 1e6};
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// What the scenes before needed, no longer counts: see proc(5), clear_refs and VmHWM.
+void start_peak_memory() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << 5;
+}
+
+/// Memory that the process held at most since start_peak_memory(), in 10^6 bytes.
+double peak_memory_mb() {
+  std::ifstream status("/proc/self/status");
+  for (std::string key; status >> key;) {
+    double kib = 0.0;
+    if (key == "VmHWM:" && status >> kib) return kib * 1024.0 / 1e6;
+  }
+  throw std::runtime_error("/proc/self/status: has no VmHWM");
 }
 
 /// What a run of a scene cost. Iterations and caps are sums over the steps.
@@ -82,11 +95,12 @@ void check_place(const std::filesystem::path& json) {
 }
 
 Tally time_scene(const Scene& scene, int frames) {
+  start_peak_memory();
   State state = initial_state(scene);
   Tally tally;
   tally.frames = frames;
   tally.particles_start = state.particles.count();
-  const double cpu_before = usage_now().cpu_seconds;
+  const double cpu_before = cpu_seconds();
   Stopwatch watch;
   for (int frame = 1; frame <= frames; ++frame) {
     run_to_frame(scene, frame, state, [&](double dt_limit) {
@@ -96,9 +110,8 @@ Tally time_scene(const Scene& scene, int frames) {
     });
   }
   tally.wall_s = watch.lap();
-  const Usage used = usage_now();
-  tally.cpu_s = used.cpu_seconds - cpu_before;
-  tally.peak_mb = used.peak_mb;
+  tally.cpu_s = cpu_seconds() - cpu_before;
+  tally.peak_mb = peak_memory_mb();
   tally.simulated_s = state.time;
   tally.particles_end = state.particles.count();
   tally.render_points = state.render_points.count();

@@ -2,7 +2,7 @@
 //
 // Times are those of the time loop alone, without reading the scene and making its particles: cpu_s is the process's user and
 // system time, which all its threads add to, wall_s and the seconds of the phases are by the clock on the wall. Peak memory is
-// the process's: of several scenes, the most that any needed so far.
+// the process's while it runs the scene.
 #pragma once
 
 #include <filesystem>

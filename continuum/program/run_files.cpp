@@ -127,7 +127,7 @@ void remove_traces(const Path& output) {
   std::filesystem::remove_all(output / "parts");
   for (const auto& entry : std::filesystem::directory_iterator(output)) {
     const std::string name = entry.path().filename();
-    for (const char* ours : {"run.", "budget.", "bodies.", "snapshots.", "render.", ".writable-"}) {
+    for (const char* ours : {"run.", "budget.", "bodies.", "snapshots.", "render."}) {
       const bool unfinished = name.find(".partial") != std::string::npos;
       if (name.starts_with(ours) && unfinished) std::filesystem::remove(entry.path());
     }

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
+
 #include "continuum/files/checked_table.h"
 #include "continuum/files/provenance.h"
 #include "tests/test_folder.h"
@@ -46,6 +49,16 @@ TEST(AtomicFile, AFolderThatCannotBeMadeIsAnError) {
   EXPECT_THROW(make_writable_folder(folder / "file" / "below"), InputError);
   EXPECT_THROW(make_writable_folder("/proc/nowhere"), InputError);
   EXPECT_THROW(read_file(folder / "absent"), InputError);
+}
+
+TEST(AtomicFile, TryingAFolderLeavesItAsItIs) {
+  const testing::TestFolder temporary;
+  const auto& folder = temporary.path();
+  const auto before = std::filesystem::last_write_time(folder) - std::chrono::hours(1);
+  std::filesystem::last_write_time(folder, before);
+  make_writable_folder(folder);
+  EXPECT_EQ(std::filesystem::last_write_time(folder), before) << "a file was in it for a moment";
+  EXPECT_THROW(make_writable_folder("/sys"), InputError);
 }
 
 TEST(Provenance, NamesSourceCompilerAndLibraries) {

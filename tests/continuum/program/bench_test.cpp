@@ -78,6 +78,16 @@ TEST(TalusBench, TellsWhatASceneCosts) {
   EXPECT_LT(figures["peak_mb"], 1000.0);
 }
 
+TEST(TalusBench, PeakMemoryIsTheScenesOwn) {
+  const TestFolder folder;
+  const auto file = folder.path() / "bench.json";
+  const auto result =
+      run_program({"talus", "bench", cylinder, column, "--frames", "1", "--json", file.string()});
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const auto figures = nlohmann::json::parse(read_file(file));
+  EXPECT_LT(figures[1]["peak_mb"].get<double>(), 0.7 * figures[0]["peak_mb"].get<double>());
+}
+
 TEST(TalusBench, ItsRatesAreThoseOfItsTotals) {
   const auto figures = bench(column, {"--threads", "1"});
   const auto value = [&](const char* name) { return figures.at(name).get<double>(); };
