@@ -224,6 +224,30 @@ TEST_F(WholeChain, ReportIsMadeAgainOfflineInAllFormats) {
   EXPECT_THAT(read_file(output_ / "report.md"), HasSubstr("tiny\\_column/tiny"));
 }
 
+TEST_F(WholeChain, PicturesAreKeptAndStandForTheSnapshots) {
+  const TestFolder folder;
+  const auto output = folder.path() / "copy";
+  std::filesystem::copy(output_, output, std::filesystem::copy_options::recursive);
+  const auto report = [&] {
+    std::filesystem::remove(output / "report.html");
+    const auto result = run_program({"talus-validate", "report", "--output", output.string()});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return read_file(output / "report.html");
+  };
+  const std::vector<std::filesystem::path> kept(std::filesystem::directory_iterator(output / "pictures"), {});
+  ASSERT_EQ(kept.size(), 3u);  // one for each code
+  const auto drawn_at = std::filesystem::last_write_time(kept[0]);
+  const std::string before = report();
+  EXPECT_EQ(std::filesystem::last_write_time(kept[0]), drawn_at);
+  write_file_atomically(kept[0], "{");
+  write_file_atomically(output / "pictures" / "of_another_run.json", "{}");
+  EXPECT_EQ(report(), before) << "a spoilt picture is drawn again";
+  EXPECT_NE(read_file(kept[0]), "{");
+  EXPECT_FALSE(std::filesystem::exists(output / "pictures" / "of_another_run.json"));
+  std::filesystem::remove_all(output / "runs");
+  EXPECT_EQ(report(), before) << "no snapshots are needed";
+}
+
 TEST_F(WholeChain, TheDriftGateIsGreenOnWhatWasAcceptedAndRedOnWhatMoved) {
   const TestFolder baseline, moved;
   const auto gate = [&](const std::filesystem::path& output) {
