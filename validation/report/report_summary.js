@@ -10,6 +10,8 @@ function gateLine(title, verdict, sentence) {
   return make("p", {class: "overall"}, make("strong", {class: "gate"}, title), badge(verdict), make("span", {}, sentence));
 }
 
+const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1).replace(/[.]$/, "")}.`;
+
 function drawHeader(results) {
   const suite = results.suite ? `${results.suite} suite` : "unnamed suite";
   document.title = `Talus validation report: ${suite}`;
@@ -22,17 +24,17 @@ function drawHeader(results) {
   document.getElementById("verdict").append(
       gateLine("Truth: agrees with DEM?", results.verdict, truth.length ? tally(truth) : "Nothing was compared."),
       gateLine("Drift: moved since the baseline?", drift?.verdict,
-          [drifted.length ? tally(drifted) : "No comparison with a baseline.", drift?.why, baseline].filter(Boolean).join(" ")));
+          [drifted.length ? tally(drifted) : "No comparison with a baseline.", drift?.why ? sentence(words(drift.why)) : null, baseline].filter(Boolean).join(" ")));
   const made = results.provenance ?? {};
   const dirty = made.git_dirty ? ", with uncommitted changes" : "";
   const hash = made.git_hash ? `git ${String(made.git_hash).slice(0, 12)}${dirty}` : null;
   document.getElementById("made").append(
       [made.version ? `Talus ${made.version}` : null, hash, made.time_utc, made.host].filter(Boolean).join(" · "));
-  if (results.complete !== true) {
-    const notice = document.getElementById("notice");
-    notice.hidden = false;
-    notice.append("These results are not complete: the suite was interrupted, or a run in it failed.");
-  }
+  const troubles = [results.complete !== true ? "These results are not complete: the suite was interrupted, or a run in it failed." : null,
+    results.stale ? `These results are stale, so neither gate passes: ${words(results.stale)}. Run the suite again.` : null].filter(Boolean);
+  const notice = document.getElementById("notice");
+  notice.hidden = !troubles.length;
+  notice.append(troubles.join(" "));
 }
 
 /** Points against observables; each cell holds the verdict's sign, a number, and a link to the point. */
@@ -100,7 +102,7 @@ function costTable(results) {
   const rows = pointsOf(results).map((point) => {
     const cost = (code) => mean(list(point.runs).filter((run) => run.code === code).map((run) => run.cpu_s).filter(isNumber));
     const own = cost("continuum");
-    const ratio = (code) => isNumber(own) && own > 0 && isNumber(cost(code)) ? `${number(Number((cost(code) / own).toPrecision(2)))} ×` : ABSENT;
+    const ratio = (code) => isNumber(own) && own > 0 && isNumber(cost(code)) ? `${exactly(Number((cost(code) / own).toPrecision(2)))} ×` : ABSENT;
     const seconds = (code) => isNumber(cost(code)) ? cost(code).toFixed(1) : ABSENT;
     return [pointLink(nameOf(point), nameOf(point)), seconds("continuum"), seconds("liggghts"), seconds("yade"), ratio("liggghts"), ratio("yade")];
   });
@@ -122,10 +124,18 @@ function drawChanges(parent, results) {
   parent.append(matrix(results, "drift", "Drift gate: relative change of the continuum since the baseline", driftFigure));
 }
 
+/** Old and new value of each change; of many, only how many there are until they are asked for. */
+function changesCell(changes) {
+  const few = 8;
+  if (!changes.length) return ABSENT;
+  const all = make("ul", {class: "plain"}, changes.map((change) => make("li", {},
+      pointLink(change.name, words(change.name)), ` ${labelOf(change.observable)}: ${number(change.old)} → ${number(change.new)}`)));
+  return changes.length <= few ? all : make("details", {}, make("summary", {}, `${changes.length} values`), all);
+}
+
 function historyTable(history) {
   const rows = [...history].reverse().map((entry) => [words(entry.when), words(entry.who), words(entry.why), words(String(entry.git_hash ?? "").slice(0, 12)),
-    list(entry.changes).length ? make("ul", {class: "plain"}, list(entry.changes).map((change) => make("li", {},
-        pointLink(change.name, words(change.name)), ` ${labelOf(change.observable)}: ${number(change.old)} → ${number(change.new)}`))) : ABSENT]);
+    changesCell(list(entry.changes))]);
   return table("Accepted baselines, the latest first", [{label: "When"}, {label: "Who"}, {label: "Why", type: "why"}, {label: "git"},
     {label: "What changed, old → new", type: "why"}], rows, "cards");
 }

@@ -76,6 +76,22 @@ TEST_F(Report, DrawsEverything) {
   EXPECT_THAT(page, Not(HasSubstr("NaN")));
 }
 
+TEST_F(Report, SaysWhyStaleResultsDoNotPassAndFoldsLongChangesAway) {
+  auto results = testing::sample_results();
+  results["stale"] = "the program talus has changed";
+  results["drift"]["why"] = "nothing moved";
+  auto& changes = results["history"][0]["changes"];
+  while (changes.size() < 12) changes.push_back(changes[0]);
+  const std::string page = visible(viewed(results, testing::sample_pictures(), "").document);
+  EXPECT_THAT(
+      page,
+      HasSubstr(
+          "role=\"alert\">These results are stale, so neither gate passes: the program talus has changed."));
+  EXPECT_THAT(page, HasSubstr("inconclusive. Nothing moved. Baseline accepted"));
+  EXPECT_THAT(page, HasSubstr("<summary>12 values</summary>"));
+  EXPECT_EQ(count_of(page, " values</summary>"), 1u) << "few changes stand open";
+}
+
 TEST_F(Report, PointsAreDrawnWhenOpened) {
   const auto results = testing::sample_results();
   const auto pictures = testing::sample_pictures();
