@@ -28,8 +28,8 @@ function part(id, title, present, draw) {
 }
 
 function drawSummary(results) {
-  part("matrix", "Verdicts", pointsOf(results).length, (section) => section.append(matrix(results, "truth",
-      "Truth gate: relative deviation of the continuum from the DEM reference, or from what a law demands. ✓ pass, ✕ fail, ? inconclusive", truthFigure)));
+  part("matrix", "Verdicts", pointsOf(results).length, (section) => section.append(matrices(results, "truth",
+      "Truth gate: relative deviation of the continuum from the DEM reference, or from what a law demands. ✓ pass, ✕ fail, ? inconclusive.", truthFigure)));
   part("scatter", "Continuum against reference", allRows(results, "truth").length,
       (section) => { drawRatios(section, results); drawAgreement(section, results); });
   part("metrics", "Whole-suite metrics", list(results.metrics).length, (section) => section.append(metricsTable(results.metrics)));

@@ -3,6 +3,10 @@
 
 const pointsOf = (results) => list(results.points);
 const nameOf = (point) => point.name ?? `${words(point.case)}/${words(point.point)}`;
+function partsOf(point) {
+  const [caseName, ...rest] = nameOf(point).split("/");
+  return {caseName, pointName: rest.length ? rest.join("/") : caseName};
+}
 const titleOf = (point) => words(point.title ?? nameOf(point));
 const allRows = (results, part) => pointsOf(results).flatMap((point) => list(point[part]));
 
@@ -10,12 +14,13 @@ function gateLine(title, verdict, sentence) {
   return make("p", {class: "overall"}, make("strong", {class: "gate"}, title), badge(verdict), make("span", {}, sentence));
 }
 
-const sentence = (text) => `${text[0].toUpperCase()}${text.slice(1).replace(/[.]$/, "")}.`;
+const capitalised = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+const sentence = (text) => `${capitalised(text).replace(/[.]$/, "")}.`;
 
 function drawHeader(results) {
   const suite = results.suite ? `${results.suite} suite` : "unnamed suite";
   document.title = `Talus validation report: ${suite}`;
-  document.getElementById("title").append(suite[0].toUpperCase() + suite.slice(1) + (results.title ? `: ${results.title}` : ""));
+  document.getElementById("title").append(capitalised(suite) + (results.title ? `: ${results.title}` : ""));
   const truth = allRows(results, "truth");
   const {drift} = results;
   const baseline = drift?.baseline ? `Baseline accepted ${words(drift.baseline.when)} by ${words(drift.baseline.who)}: ` +
@@ -37,19 +42,26 @@ function drawHeader(results) {
   notice.append(troubles.join(" "));
 }
 
-/** Points against observables; each cell holds the verdict's sign, a number, and a link to the point. */
-function matrix(results, part, caption, figureOf) {
+/** Points of one case against its observables; each cell holds the verdict's sign, a number, and a link to the point. */
+function matrixOf(points, part, caption, figureOf) {
   const rowsOf = (point) => list(point[part]);
-  const present = new Set(allRows(results, part).map((row) => row.observable));
+  const present = new Set(points.flatMap(rowsOf).map((row) => row.observable));
   const observables = [...Object.keys(QUANTITIES).filter((key) => present.delete(key)), ...present];
-  if (!observables.length) return absent("Nothing was compared.");
   const cell = (point, row) => row ? make("a", {href: `#${anchorOf(nameOf(point))}`, class: `cell ${signOf(row.verdict) ? row.verdict : ""}`,
     "aria-label": `${titleOf(point)}, ${labelOf(row.observable)}: ${words(row.verdict)}, ${figureOf(row)}`},
   make("b", {"aria-hidden": "true"}, signOf(row.verdict) ?? "·"), figureOf(row)) : make("span", {class: "absent"}, ABSENT);
   return table(caption, [{label: "Point"}, {label: "All"}, ...observables.map((key) => ({label: labelOf(key)}))],
-      pointsOf(results).map((point) => [pointLink(nameOf(point), ...breakable(nameOf(point))),
+      points.map((point) => [pointLink(nameOf(point), ...breakable(partsOf(point).pointName)),
         badge(part === "truth" ? point.verdict : point.drift_verdict),
         ...observables.map((key) => cell(point, rowsOf(point).find((row) => row.observable === key)))]), "matrix");
+}
+
+/** A matrix for each case: others share few of its observables. */
+function matrices(results, part, caption, figureOf) {
+  if (!allRows(results, part).length) return absent("Nothing was compared.");
+  const cases = [...new Set(pointsOf(results).map((point) => partsOf(point).caseName))];
+  return make("div", {}, make("p", {class: "muted"}, caption), cases.map((name) =>
+      matrixOf(pointsOf(results).filter((point) => partsOf(point).caseName === name), part, capitalised(name.replaceAll("_", " ")), figureOf)));
 }
 
 const truthFigure = (row) => percent(row.deviation, !isDistance(row.observable));
@@ -65,7 +77,7 @@ function metricsTable(metrics) {
    {label: "Relative sd of the reference", type: "number"}, {label: "Equivalence", type: "number"}],
   metrics.map((row) => [labelOf(row.observable), number(row.n), [number(row.bias_factor), under(interval(row.bias_interval))],
     [percent(row.model_relative_sd), under(shares(row.model_relative_sd_interval))], percent(row.reference_relative_sd),
-    [shown(row.equivalence?.equivalent), under(`within ${plusMinus(row.equivalence?.band)}, p = ${number(row.equivalence?.p)}`)]]), "cards");
+    [shown(row.equivalence?.equivalent), row.equivalence ? under(`within ${plusMinus(row.equivalence.band)}, p = ${number(row.equivalence.p)}`) : under("too few points")]]), "cards");
 }
 
 function mutantTable(mutants) {
@@ -121,7 +133,7 @@ function drawChanges(parent, results) {
   }
   parent.append(moved.length ? driftTable(moved, "What moved beyond its tolerance, or could not be judged") :
       make("p", {}, "Nothing moved beyond its tolerance."));
-  parent.append(matrix(results, "drift", "Drift gate: relative change of the continuum since the baseline", driftFigure));
+  parent.append(matrices(results, "drift", "Drift gate: relative change of the continuum since the baseline.", driftFigure));
 }
 
 /** Old and new value of each change; of many, only how many there are until they are asked for. */
