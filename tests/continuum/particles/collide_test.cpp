@@ -172,8 +172,12 @@ TEST_F(Cloud, KeptOutOfWallsTheyKeepTheirVelocities) {
   EXPECT_EQ(keep_out_of_walls(grid, openings_, particles_), count);
   EXPECT_EQ(particles_.velocities, velocities);
   EXPECT_EQ(particles_.positions, collided.positions);
-  for (Eigen::Index p = 0; p < particles_.count(); ++p)
-    EXPECT_GE(distance_at(grid, openings_, particles_.positions.col(p)).distance, 0.0);
+  for (Eigen::Index p = 0; p < particles_.count(); ++p) {
+    const Vector3d position = particles_.positions.col(p);
+    if (grid.contains(position)) {  // a wall may push them over the domain's side
+      EXPECT_GE(distance_at(grid, openings_, position).distance, 0.0);
+    }
+  }
 }
 
 TEST_F(Cloud, WithoutWallsNothingHappens) {
