@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "analysis/hdf5_input.h"
 #include "analysis/snapshot_format.h"
 #include "continuum/files/put_in_place.h"
 
@@ -185,18 +186,14 @@ void SeriesFile::append_all_of(const std::filesystem::path& whole) {
   if (!hdf5_) throw snapshot_error(path_, "append after finish: the file is closed");
   translating_errors(whole, "cannot be read as a part of a series", [&] {
     const H5::H5File part(whole.string(), H5F_ACC_RDONLY);
-    std::string format;
-    part.openAttribute("format").read(text_type(), format);
-    int complete = 0, frames = 0;
-    part.openAttribute("complete").read(H5::PredType::NATIVE_INT, &complete);
-    part.openAttribute("frames").read(H5::PredType::NATIVE_INT, &frames);
-    if (format != format_.format || complete != 1) throw snapshot_error(whole, "not a part of this series");
+    if (read_text(part, "format") != format_.format || read_integer(part, "complete") != 1)
+      throw snapshot_error(whole, "not a part of this series");
     reserve_room(partial(path_), hdf5_->getFileSize() + part.getFileSize() + bookkeeping);
+    const int frames = read_integer(part, "frames");
     for (int frame = 0; frame < frames; ++frame) {
       const std::string name = frame_name(static_cast<std::size_t>(frame));
       const H5::Group group = part.openGroup(name);
-      FrameEntry entry{};
-      group.openAttribute("time").read(H5::PredType::NATIVE_DOUBLE, &entry.time);
+      FrameEntry entry{.time = read_number(group, "time"), .count = 0};
       std::array<hsize_t, 2> shape{0, 0};
       group.openDataSet(format_.items.front().dataset).getSpace().getSimpleExtentDims(shape.data());
       entry.count = static_cast<std::size_t>(shape[0]);

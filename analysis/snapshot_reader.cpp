@@ -4,17 +4,18 @@
 #include <array>
 #include <limits>
 #include <new>
+#include <utility>
 
+#include "analysis/child_reading.h"
+#include "analysis/hdf5_input.h"
 #include "analysis/snapshot.h"
 #include "analysis/snapshot_format.h"
-#include "analysis/survives.h"
 #include "analysis/xdmf.h"
 
 namespace talus::analysis {
 namespace {
 
-/// Deflate packs at most 1032 bytes into one. A damaged count must not ask for more memory than a file of that size can fill.
-constexpr double largest_compression = 1100.0;
+constexpr const char* reading_failed = "damaged, or not a snapshot file";
 
 /// The number of rows of a dataset that must have `columns` columns (1: a plain list).
 hsize_t row_count(const H5::DataSet& set, hsize_t columns, const char* name) {
@@ -26,11 +27,7 @@ hsize_t row_count(const H5::DataSet& set, hsize_t columns, const char* name) {
   if (!right_rank || shape[1] != columns || set.getTypeClass() != H5T_FLOAT) {
     throw H5::DataSetIException(name, fmt::format("not a float table with {} columns", columns));
   }
-  constexpr auto most = static_cast<hsize_t>(std::numeric_limits<Eigen::Index>::max()) / 3 / sizeof(double);
-  if (shape[0] > most) throw std::bad_alloc();
-  const double bytes = static_cast<double>(shape[0]) * static_cast<double>(columns) * sizeof(double);
-  if (bytes > largest_compression * static_cast<double>(std::filesystem::file_size(set.getFileName())))
-    throw H5::DataSetIException(name, fmt::format("claims {} rows, more than the file can hold", shape[0]));
+  check_claim(set, name, shape[0], columns * sizeof(double));
   return shape[0];
 }
 
@@ -44,7 +41,7 @@ Vectors read_vectors(const H5::Group& group, const char* name) {
 Snapshot read_frame(const H5::H5File& file, const std::string& name) {
   const H5::Group group = file.openGroup(name);
   Snapshot snapshot;
-  group.openAttribute("time").read(H5::PredType::NATIVE_DOUBLE, &snapshot.time);
+  snapshot.time = read_number(group, "time");
   snapshot.positions = read_vectors(group, "positions");
   snapshot.velocities = read_vectors(group, "velocities");
   const H5::DataSet volumes = group.openDataSet("volumes");
@@ -53,20 +50,9 @@ Snapshot read_frame(const H5::H5File& file, const std::string& name) {
   return snapshot;
 }
 
-int read_integer(const H5::H5File& file, const char* name) {
-  int value = 0;
-  file.openAttribute(name).read(H5::PredType::NATIVE_INT, &value);
-  return value;
-}
-
 /// The number of frames of a file that is ours, of this version, and whole.
 std::size_t read_header(const std::filesystem::path& path, const H5::H5File& file) {
-  std::string format;
-  if (file.attrExists("format")) {
-    const H5::Attribute attribute = file.openAttribute("format");
-    if (attribute.getTypeClass() == H5T_STRING) attribute.read(attribute.getStrType(), format);
-  }
-  if (format != format_name)
+  if (read_text(file, "format") != format_name)
     throw snapshot_error(path, "not a Talus snapshot file (no format = \"talus-snapshots\")");
   if (const int version = read_integer(file, "version"); version != format_version) {
     throw snapshot_error(
@@ -80,17 +66,54 @@ std::size_t read_header(const std::filesystem::path& path, const H5::H5File& fil
   return static_cast<std::size_t>(frames);
 }
 
-SnapshotSeries read_all(const std::filesystem::path& path) {
-  return translating_errors(path, "damaged, or not a snapshot file", [&] {
+void give(const Sink& sink, const Vectors& vectors) {
+  sink.put(vectors.cols());
+  sink.put(vectors.data(), static_cast<std::size_t>(vectors.size()) * sizeof(double));
+}
+
+/// Room for as many values as the child says there are.
+Eigen::Index take_count(const Source& source) {
+  const auto count = source.take<Eigen::Index>();
+  if (count < 0 || count > std::numeric_limits<Eigen::Index>::max() / 64) throw std::bad_alloc();
+  return count;
+}
+
+Vectors take_vectors(const Source& source) {
+  Vectors vectors(3, take_count(source));
+  source.take(vectors.data(), static_cast<std::size_t>(vectors.size()) * sizeof(double));
+  return vectors;
+}
+
+void give_all(const std::filesystem::path& path, const Sink& sink) {
+  translating_errors(path, reading_failed, [&] {
     const H5::H5File file(path.string(), H5F_ACC_RDONLY);
     const std::size_t frames = read_header(path, file);
-    SnapshotSeries series;
+    sink.put(frames);
     for (std::size_t index = 0; index < frames; ++index) {
-      series.push_back(read_frame(file, frame_name(index)));
-      check_frame(path, index, series.back(), index > 0 ? series[index - 1].time : 0.0);
+      const Snapshot frame = read_frame(file, frame_name(index));
+      sink.put(frame.time);
+      give(sink, frame.positions);
+      give(sink, frame.velocities);
+      sink.put(frame.volumes.size());
+      sink.put(frame.volumes.data(), static_cast<std::size_t>(frame.volumes.size()) * sizeof(double));
     }
-    return series;
   });
+}
+
+SnapshotSeries take_all(const std::filesystem::path& path, const Source& source) {
+  SnapshotSeries series;
+  const auto frames = source.take<std::size_t>();
+  for (std::size_t index = 0; index < frames; ++index) {
+    Snapshot frame;
+    frame.time = source.take<double>();
+    frame.positions = take_vectors(source);
+    frame.velocities = take_vectors(source);
+    frame.volumes.resize(take_count(source));
+    source.take(frame.volumes.data(), static_cast<std::size_t>(frame.volumes.size()) * sizeof(double));
+    check_frame(path, index, frame, index > 0 ? series[index - 1].time : 0.0);
+    series.push_back(std::move(frame));
+  }
+  return series;
 }
 
 /// Processor time that reading may take: far more than it does.
@@ -104,10 +127,19 @@ double patience(const std::filesystem::path& path) {
 SnapshotSeries read_snapshots(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) throw snapshot_error(path, "no such file");
-  // HDF5 1.10 hangs over some damaged files and crashes over others (tests/fuzz/README.md), so a copy of this process reads first.
-  if (!survives([&] { read_all(path); }, patience(path)))
+  SnapshotSeries series;
+  try {
+    // HDF5 1.10 hangs over some damaged files and overwrites memory over others (tests/fuzz/README.md).
+    translating_errors(path, reading_failed, [&] {
+      read_in_child([&](const Sink& sink) { give_all(path, sink); },
+                    [&](const Source& source) { series = take_all(path, source); }, patience(path));
+    });
+  } catch (const ChildRefused& refused) {
+    throw SnapshotError(refused.what());
+  } catch (const ChildDied&) {
     throw snapshot_error(path, "damaged: HDF5 crashes or hangs over it");
-  return read_all(path);
+  }
+  return series;
 }
 
 }  // namespace talus::analysis

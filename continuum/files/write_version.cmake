@@ -13,7 +13,7 @@ endif()
 # and other programs do not.
 file(GLOB_RECURSE sources ${SOURCE_DIR}/continuum/*.h ${SOURCE_DIR}/continuum/*.cpp ${SOURCE_DIR}/continuum/CMakeLists.txt
      ${SOURCE_DIR}/analysis/snapshot* ${SOURCE_DIR}/analysis/series_file*)
-list(FILTER sources EXCLUDE REGEX "/continuum/(render/|program/(bench|check)\\.)")
+list(FILTER sources EXCLUDE REGEX "/continuum/(render/|program/(bench|check)\\.)|/analysis/snapshot_reader")
 list(SORT sources)
 set(all "")
 foreach(source ${sources})

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <new>
 
+#include "analysis/child_reading.h"
+#include "analysis/hdf5_input.h"
 #include "analysis/series_file.h"
 #include "continuum/files/input_error.h"
 
@@ -12,6 +15,11 @@ namespace talus {
 namespace {
 
 using analysis::Number;
+using analysis::read_integer;
+using analysis::read_number;
+using analysis::read_text;
+using analysis::Sink;
+using analysis::Source;
 
 constexpr const char* format_name = "talus-render-points";
 constexpr int format_version = 1;
@@ -41,29 +49,14 @@ auto reading(const std::filesystem::path& file, const Action& action) {
   } catch (const H5::Exception& error) {
     throw error_about(file, fmt::format("damaged, or not a file of render points: HDF5 says '{}' in {}",
                                         error.getDetailMsg(), error.getFuncName()));
+  } catch (const std::bad_alloc&) {
+    throw error_about(file, "claims more points than there is memory for");
   }
-}
-
-int read_integer(const H5::H5File& file, const char* name) {
-  int value = 0;
-  file.openAttribute(name).read(H5::PredType::NATIVE_INT, &value);
-  return value;
-}
-
-double read_number(const H5::H5Object& object, const char* name) {
-  double value = 0.0;
-  object.openAttribute(name).read(H5::PredType::NATIVE_DOUBLE, &value);
-  return value;
 }
 
 /// The frames of a file that is ours, of this version, and whole.
 int read_header(const std::filesystem::path& path, const H5::H5File& file) {
-  std::string format;
-  if (file.attrExists("format")) {
-    const H5::Attribute attribute = file.openAttribute("format");
-    if (attribute.getTypeClass() == H5T_STRING) attribute.read(attribute.getStrType(), format);
-  }
-  if (format != format_name)
+  if (read_text(file, "format") != format_name)
     throw error_about(path, fmt::format("not a file of render points (no format = \"{}\")", format_name));
   if (const int version = read_integer(file, "version"); version != format_version)
     throw error_about(path,
@@ -73,10 +66,19 @@ int read_header(const std::filesystem::path& path, const H5::H5File& file) {
   return read_integer(file, "frames");
 }
 
-/// Reads all of a dataset of n rows into what `room(n)` gives.
-template <class Room>
-void read_rows(const H5::Group& group, const char* name, hsize_t components, const H5::PredType& type,
-               const Room& room) {
+std::vector<double> read_times(const std::filesystem::path& path, const H5::H5File& file) {
+  std::vector<double> times;
+  const int frames = read_header(path, file);
+  for (int frame = 0; frame < frames; ++frame)
+    times.push_back(
+        read_number(file.openGroup(analysis::frame_name(static_cast<std::size_t>(frame))), "time"));
+  return times;
+}
+
+/// A dataset of rows of so many components.
+template <class Value>
+std::vector<Value> read_rows(const H5::Group& group, const char* name, hsize_t components,
+                             const H5::PredType& type) {
   const H5::DataSet set = group.openDataSet(name);
   const H5::DataSpace space = set.getSpace();
   std::array<hsize_t, 2> shape{0, 1};
@@ -84,27 +86,44 @@ void read_rows(const H5::Group& group, const char* name, hsize_t components, con
     throw H5::DataSetIException(name, "another shape was expected");
   space.getSimpleExtentDims(shape.data());
   if (shape[1] != components) throw H5::DataSetIException(name, "another shape was expected");
-  void* const rows = room(static_cast<std::size_t>(shape[0]));
-  if (shape[0] > 0) set.read(rows, type);
-}
-
-Eigen::Matrix3Xf read_vectors(const H5::Group& group, const char* name) {
-  Eigen::Matrix3Xf vectors;
-  read_rows(group, name, 3, H5::PredType::NATIVE_FLOAT, [&](std::size_t n) {
-    vectors.resize(3, static_cast<Eigen::Index>(n));
-    return vectors.data();
-  });
-  return vectors;
+  analysis::check_claim(set, name, shape[0], components * sizeof(Value));
+  std::vector<Value> rows(shape[0] * components);
+  if (!rows.empty()) set.read(rows.data(), type);
+  return rows;
 }
 
 template <class Value>
-std::vector<Value> read_list(const H5::Group& group, const char* name, const H5::PredType& type) {
-  std::vector<Value> values;
-  read_rows(group, name, 1, type, [&](std::size_t n) {
-    values.resize(n);
-    return values.data();
-  });
-  return values;
+void give_list(const Sink& sink, const std::vector<Value>& list) {
+  sink.put(list.size());
+  sink.put(list.data(), list.size() * sizeof(Value));
+}
+
+template <class Value>
+std::vector<Value> take_list(const Source& source) {
+  const auto count = source.take<std::size_t>();
+  std::vector<Value> list;
+  if (count > list.max_size()) throw analysis::ChildDied("claims what cannot be");
+  list.resize(count);
+  source.take(list.data(), list.size() * sizeof(Value));
+  return list;
+}
+
+/// give(sink, the open file) in a child process: HDF5 1.10 hangs over some damaged files and overwrites memory over others.
+template <class Give, class Take>
+void read_apart(const std::filesystem::path& file, const Give& give, const Take& take) {
+  constexpr double least = 3.0, seconds_per_byte = 1e-6;
+  const double patience = least + seconds_per_byte * static_cast<double>(std::filesystem::file_size(file));
+  try {
+    analysis::read_in_child(
+        [&](const Sink& sink) {
+          reading(file, [&] { give(sink, H5::H5File(file.string(), H5F_ACC_RDONLY)); });
+        },
+        [&](const Source& source) { reading(file, [&] { take(source); }); }, patience);
+  } catch (const analysis::ChildRefused& refused) {
+    throw InputError(refused.what());
+  } catch (const analysis::ChildDied&) {
+    throw error_about(file, "damaged: HDF5 crashes or hangs over it");
+  }
 }
 
 }  // namespace
@@ -131,48 +150,48 @@ void RenderWriter::finish() { file_->series.finish(); }
 void RenderWriter::finish_as(const std::filesystem::path& part) { file_->series.finish_as(part); }
 void RenderWriter::append_all_of(const std::filesystem::path& part) { file_->series.append_all_of(part); }
 
-struct RenderReader::File {
-  std::filesystem::path path;
-  H5::H5File hdf5;
-};
-
-RenderReader::RenderReader(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path)) {
+RenderReader::RenderReader(const std::filesystem::path& file) : file_(file) {
+  if (!std::filesystem::is_regular_file(file)) {
     throw error_about(
-        path,
+        file,
         "no such file; talus run writes it, at the end of a run, if the scene asks for render points: "
         "[render_points] per_particle = 20");
   }
-  reading(path, [&] {
-    file_.reset(new File{path, H5::H5File(path.string(), H5F_ACC_RDONLY)});
-    const int frames = read_header(path, file_->hdf5);
-    points_per_volume_ = read_number(file_->hdf5, "points_per_volume");
-    for (int frame = 0; frame < frames; ++frame)
-      times_.push_back(
-          read_number(file_->hdf5.openGroup(analysis::frame_name(static_cast<std::size_t>(frame))), "time"));
+  const auto give = [&](const Sink& sink, const H5::H5File& hdf5) {
+    const std::vector<double> times = read_times(file, hdf5);
+    sink.put(read_number(hdf5, "points_per_volume"));
+    give_list(sink, times);
+  };
+  read_apart(file, give, [&](const Source& source) {
+    points_per_volume_ = source.take<double>();
+    times_ = take_list<double>(source);
   });
 }
 
-RenderReader::~RenderReader() = default;
-RenderReader::RenderReader(RenderReader&&) noexcept = default;
-RenderReader& RenderReader::operator=(RenderReader&&) noexcept = default;
-
 RenderFrame RenderReader::read(std::size_t index) const {
-  return reading(file_->path, [&] {
-    const H5::Group group = file_->hdf5.openGroup(analysis::frame_name(index));
-    RenderFrame frame{times_[index],
-                      read_vectors(group, "positions"),
-                      read_vectors(group, "normals"),
-                      read_list<std::uint32_t>(group, "identities", H5::PredType::NATIVE_UINT32),
-                      read_list<std::uint8_t>(group, "materials", H5::PredType::NATIVE_UINT8),
-                      read_list<float>(group, "speeds", H5::PredType::NATIVE_FLOAT)};
+  const auto give = [&](const Sink& sink, const H5::H5File& hdf5) {
+    const H5::Group group = hdf5.openGroup(analysis::frame_name(index));
+    give_list(sink, read_rows<float>(group, "positions", 3, H5::PredType::NATIVE_FLOAT));
+    give_list(sink, read_rows<float>(group, "normals", 3, H5::PredType::NATIVE_FLOAT));
+    give_list(sink, read_rows<std::uint32_t>(group, "identities", 1, H5::PredType::NATIVE_UINT32));
+    give_list(sink, read_rows<std::uint8_t>(group, "materials", 1, H5::PredType::NATIVE_UINT8));
+    give_list(sink, read_rows<float>(group, "speeds", 1, H5::PredType::NATIVE_FLOAT));
+  };
+  RenderFrame frame;
+  frame.time = times_[index];
+  read_apart(file_, give, [&](const Source& source) {
+    const auto positions = take_list<float>(source), normals = take_list<float>(source);
+    frame.identities = take_list<std::uint32_t>(source);
+    frame.materials = take_list<std::uint8_t>(source);
+    frame.speeds = take_list<float>(source);
     const std::size_t n = frame.count();
-    if (static_cast<std::size_t>(frame.positions.cols()) != n ||
-        static_cast<std::size_t>(frame.normals.cols()) != n || frame.materials.size() != n ||
+    if (positions.size() != 3 * n || normals.size() != 3 * n || frame.materials.size() != n ||
         frame.speeds.size() != n)
-      throw error_about(file_->path, fmt::format("frame {}: its lists differ in length", index));
-    return frame;
+      throw error_about(file_, fmt::format("frame {}: its lists differ in length", index));
+    frame.positions = Eigen::Map<const Eigen::Matrix3Xf>(positions.data(), 3, static_cast<Eigen::Index>(n));
+    frame.normals = Eigen::Map<const Eigen::Matrix3Xf>(normals.data(), 3, static_cast<Eigen::Index>(n));
   });
+  return frame;
 }
 
 }  // namespace talus

@@ -54,9 +54,6 @@ class RenderReader {
  public:
   /// Throws InputError when the file is not there, not ours, or not whole.
   explicit RenderReader(const std::filesystem::path& file);
-  ~RenderReader();
-  RenderReader(RenderReader&&) noexcept;
-  RenderReader& operator=(RenderReader&&) noexcept;
 
   std::size_t frame_count() const { return times_.size(); }
   double time(std::size_t frame) const { return times_[frame]; }  // s
@@ -65,8 +62,7 @@ class RenderReader {
   RenderFrame read(std::size_t frame) const;
 
  private:
-  struct File;
-  std::unique_ptr<File> file_;
+  std::filesystem::path file_;
   std::vector<double> times_;
   double points_per_volume_ = 0.0;
 };

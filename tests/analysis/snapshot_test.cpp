@@ -19,7 +19,7 @@
 #include <string_view>
 #include <vector>
 
-#include "analysis/survives.h"
+#include "analysis/child_reading.h"
 #include "analysis/xdmf.h"
 
 namespace talus::analysis {
@@ -240,21 +240,63 @@ TEST_F(SnapshotFile, ClaimsNoMoreRowsThanTheFileCanHold) {
   EXPECT_THAT(reading_error(), HasSubstr("claims 1000000000 rows, more than the file can hold"));
 }
 
+// HDF5 writes all values of an attribute to where one is expected.
+TEST_F(SnapshotFile, AnAttributeOfManyValuesIsNotReadIntoTheRoomForOne) {
+  for (const auto& [group, name] :
+       {std::pair{"/", "frames"}, {"/", "version"}, {"/", "format"}, {"frame_000000", "time"}}) {
+    write_snapshots(file, {cloud(0.0, 4)}, "test");
+    spoil(file, [&](H5::H5File& hdf5) {
+      constexpr hsize_t many = 4000;
+      H5::Group object = hdf5.openGroup(group);
+      const H5::DataType type = object.openAttribute(name).getDataType();
+      object.removeAttr(name);
+      const std::vector<std::uint64_t> nothing(2 * many, 0);
+      object.createAttribute(name, type, H5::DataSpace(1, &many)).write(type, nothing.data());
+    });
+    EXPECT_THAT(reading_error(), HasSubstr(std::string("attribute ") + name + " is not one value"));
+  }
+}
+
 // Found by fuzzing: HDF5 1.10 goes round in its global heap for ever.
 TEST_F(SnapshotFile, AFileThatHdf5HangsOverIsAnErrorInSeconds) {
   fs::copy_file(TALUS_SOURCE_DIR "/tests/analysis/data/hdf5_hangs.h5", file);
   EXPECT_THAT(reading_error(), HasSubstr("HDF5 crashes or hangs over it"));
 }
 
-TEST(Survives, TellsCrashesAndHangsFromErrors) {
-  EXPECT_TRUE(survives([] {}, 1.0));
-  EXPECT_TRUE(survives([] { throw std::runtime_error("an answer"); }, 1.0));
-  EXPECT_FALSE(survives([] { std::raise(SIGSEGV); }, 1.0));
-  EXPECT_FALSE(survives(
-      [] {
-        for (volatile int spin = 0;;) spin = spin + 1;
+TEST(ChildReading, HandsOnWhatTheChildReads) {
+  std::vector<double> taken(1'000'000);  // more than a pipe holds
+  read_in_child(
+      [](const Sink& sink) {
+        sink.put(7);
+        const std::vector<double> values(1'000'000, 0.25);
+        sink.put(values.data(), values.size() * sizeof(double));
       },
-      1.0));
+      [&](const Source& source) {
+        EXPECT_EQ(source.take<int>(), 7);
+        source.take(taken.data(), taken.size() * sizeof(double));
+      },
+      5.0);
+  EXPECT_EQ(taken, std::vector<double>(1'000'000, 0.25));
+}
+
+TEST(ChildReading, TellsRefusalsFromCrashesAndHangs) {
+  const auto one = [](const Source& source) { source.take<int>(); };
+  const auto reading = [&](auto give) { read_in_child(give, one, 1.0); };
+  try {
+    reading([](const Sink&) { throw std::runtime_error("an answer"); });
+    ADD_FAILURE();
+  } catch (const ChildRefused& refused) {
+    EXPECT_STREQ(refused.what(), "an answer");
+  }
+  EXPECT_THROW(reading([](const Sink&) { std::raise(SIGSEGV); }), ChildDied);
+  EXPECT_THROW(reading([](const Sink&) {}), ChildDied) << "ends early";
+  EXPECT_THROW(reading([](const Sink&) {
+                 for (volatile int spin = 0;;) spin = spin + 1;
+               }),
+               ChildDied);
+  EXPECT_THROW(read_in_child([](const Sink&) { ::pause(); },
+                             [](const Source&) { throw std::length_error("not wanted"); }, 1.0),
+               std::length_error);
 }
 
 TEST_F(SnapshotFile, AnotherVersionOrNotComplete) {

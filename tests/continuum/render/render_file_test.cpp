@@ -1,6 +1,7 @@
 // Render points on disk: what a run writes, what comes back, and that points stay who they are.
 #include "continuum/render/render_file.h"
 
+#include <H5Cpp.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -65,6 +66,36 @@ TEST(RenderFile, OtherFilesAreRefused) {
   EXPECT_THAT(input_error([&] { RenderReader{file}; }), HasSubstr("not a file of render points"));
   analysis::write_snapshots(file, {}, "a test");
   EXPECT_THAT(input_error([&] { RenderReader{file}; }), HasSubstr("no format = \"talus-render-points\""));
+}
+
+TEST(RenderFile, ClaimsAreNotBelieved) {
+  const TestFolder folder;
+  const auto file = folder.path() / "render.h5";
+  const auto spoil = [&](auto&& change) {
+    RenderWriter writer(file, 1.0, "a test");
+    writer.append({0.5, Eigen::Matrix3Xf::Zero(3, 1), Eigen::Matrix3Xf::Zero(3, 1), {7}, {0}, {1.0f}});
+    writer.finish();
+    H5::H5File hdf5(file.string(), H5F_ACC_RDWR);
+    change(hdf5);
+  };
+  spoil([](H5::H5File& hdf5) {  // 4 TB, none of which was ever written
+    constexpr hsize_t rows = 1'000'000'000'000, chunk = 1000;
+    H5::DSetCreatPropList layout;
+    layout.setChunk(1, &chunk);
+    hdf5.unlink("frame_000000/speeds");
+    hdf5.createDataSet("frame_000000/speeds", H5::PredType::IEEE_F32LE, H5::DataSpace(1, &rows), layout);
+  });
+  EXPECT_THAT(input_error([&] { RenderReader(file).read(0); }), HasSubstr("more than the file can hold"));
+  spoil([](H5::H5File& hdf5) {
+    constexpr hsize_t many = 4000;
+    hdf5.removeAttr("frames");
+    hdf5.createAttribute("frames", H5::PredType::NATIVE_INT, H5::DataSpace(1, &many))
+        .write(H5::PredType::NATIVE_INT, std::vector<int>(many).data());
+  });
+  EXPECT_THAT(input_error([&] { RenderReader{file}; }), HasSubstr("attribute frames is not one value"));
+  std::filesystem::copy_file(TALUS_SOURCE_DIR "/tests/analysis/data/hdf5_hangs.h5", file,
+                             std::filesystem::copy_options::overwrite_existing);
+  EXPECT_THAT(input_error([&] { RenderReader{file}; }), HasSubstr("HDF5 crashes or hangs over it"));
 }
 
 /// The column of each identity; the test fails where one is there twice.

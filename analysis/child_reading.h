@@ -1,0 +1,57 @@
+// Reading in a child process, for libraries that crash, hang or overwrite memory over damaged files: none of them runs in this one, which
+// takes plain bytes from a pipe.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <stdexcept>
+#include <type_traits>
+
+namespace talus::analysis {
+
+/// The child's end of the pipe.
+class Sink {
+ public:
+  explicit Sink(int descriptor) : descriptor_(descriptor) {}
+  void put(const void* bytes, std::size_t size) const;
+  template <class Value>
+  requires std::is_trivially_copyable_v<Value>
+  void put(const Value& value) const { put(&value, sizeof value); }
+
+ private:
+  int descriptor_;
+};
+
+/// This process's end.
+class Source {
+ public:
+  explicit Source(int descriptor) : descriptor_(descriptor) {}
+  void take(void* bytes, std::size_t size) const;
+  template <class Value>
+  requires std::is_trivially_copyable_v<Value> Value take()
+  const {
+    Value value{};
+    take(&value, sizeof value);
+    return value;
+  }
+
+ private:
+  int descriptor_;
+};
+
+/// Says what the child threw.
+struct ChildRefused : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// The child crashed, or took too long.
+struct ChildDied : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Runs `give` in a copy of this process, within so many seconds of processor time, and `take` here, on what it puts into its sink. Throws
+/// ChildRefused, ChildDied, what `take` throws, std::system_error where no process can be made.
+void read_in_child(const std::function<void(const Sink&)>& give,
+                   const std::function<void(const Source&)>& take, double seconds);
+
+}  // namespace talus::analysis
