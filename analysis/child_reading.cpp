@@ -10,6 +10,8 @@
 #include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <limits>
+#include <new>
 #include <string>
 #include <system_error>
 
@@ -120,6 +122,13 @@ void Source::take(void* bytes, std::size_t size) const {
     next += taken;
     size -= static_cast<std::size_t>(taken);
   }
+}
+
+std::size_t Source::take_count() const {
+  constexpr std::size_t most = std::numeric_limits<std::ptrdiff_t>::max() / 64;
+  const auto count = take<std::size_t>();
+  if (count > most) throw std::bad_alloc();
+  return count;
 }
 
 void read_in_child(const std::function<void(const Sink&)>& give,

@@ -15,8 +15,16 @@ class Sink {
   explicit Sink(int descriptor) : descriptor_(descriptor) {}
   void put(const void* bytes, std::size_t size) const;
   template <class Value>
-  requires std::is_trivially_copyable_v<Value>
-  void put(const Value& value) const { put(&value, sizeof value); }
+  void put(const Value& value) const {
+    static_assert(std::is_trivially_copyable_v<Value>);
+    put(&value, sizeof value);
+  }
+  /// Their count, and they.
+  template <class Value>
+  void put_list(const Value* values, std::size_t count) const {
+    put(count);
+    put(values, count * sizeof(Value));
+  }
 
  private:
   int descriptor_;
@@ -28,12 +36,14 @@ class Source {
   explicit Source(int descriptor) : descriptor_(descriptor) {}
   void take(void* bytes, std::size_t size) const;
   template <class Value>
-  requires std::is_trivially_copyable_v<Value> Value take()
-  const {
+  Value take() const {
+    static_assert(std::is_trivially_copyable_v<Value>);
     Value value{};
     take(&value, sizeof value);
     return value;
   }
+  /// Of a list, whose values are to be taken next. Throws std::bad_alloc where no memory could hold them.
+  std::size_t take_count() const;
 
  private:
   int descriptor_;

@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <limits>
-#include <new>
 #include <utility>
 
 #include "analysis/child_reading.h"
@@ -66,20 +64,8 @@ std::size_t read_header(const std::filesystem::path& path, const H5::H5File& fil
   return static_cast<std::size_t>(frames);
 }
 
-void give(const Sink& sink, const Vectors& vectors) {
-  sink.put(vectors.cols());
-  sink.put(vectors.data(), static_cast<std::size_t>(vectors.size()) * sizeof(double));
-}
-
-/// Room for as many values as the child says there are.
-Eigen::Index take_count(const Source& source) {
-  const auto count = source.take<Eigen::Index>();
-  if (count < 0 || count > std::numeric_limits<Eigen::Index>::max() / 64) throw std::bad_alloc();
-  return count;
-}
-
 Vectors take_vectors(const Source& source) {
-  Vectors vectors(3, take_count(source));
+  Vectors vectors(3, static_cast<Eigen::Index>(source.take_count()));
   source.take(vectors.data(), static_cast<std::size_t>(vectors.size()) * sizeof(double));
   return vectors;
 }
@@ -92,10 +78,11 @@ void give_all(const std::filesystem::path& path, const Sink& sink) {
     for (std::size_t index = 0; index < frames; ++index) {
       const Snapshot frame = read_frame(file, frame_name(index));
       sink.put(frame.time);
-      give(sink, frame.positions);
-      give(sink, frame.velocities);
-      sink.put(frame.volumes.size());
-      sink.put(frame.volumes.data(), static_cast<std::size_t>(frame.volumes.size()) * sizeof(double));
+      for (const Vectors* vectors : {&frame.positions, &frame.velocities}) {
+        sink.put(static_cast<std::size_t>(vectors->cols()));
+        sink.put(vectors->data(), static_cast<std::size_t>(vectors->size()) * sizeof(double));
+      }
+      sink.put_list(frame.volumes.data(), static_cast<std::size_t>(frame.volumes.size()));
     }
   });
 }
@@ -108,7 +95,7 @@ SnapshotSeries take_all(const std::filesystem::path& path, const Source& source)
     frame.time = source.take<double>();
     frame.positions = take_vectors(source);
     frame.velocities = take_vectors(source);
-    frame.volumes.resize(take_count(source));
+    frame.volumes.resize(static_cast<Eigen::Index>(source.take_count()));
     source.take(frame.volumes.data(), static_cast<std::size_t>(frame.volumes.size()) * sizeof(double));
     check_frame(path, index, frame, index > 0 ? series[index - 1].time : 0.0);
     series.push_back(std::move(frame));

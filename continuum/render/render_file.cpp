@@ -94,16 +94,12 @@ std::vector<Value> read_rows(const H5::Group& group, const char* name, hsize_t c
 
 template <class Value>
 void give_list(const Sink& sink, const std::vector<Value>& list) {
-  sink.put(list.size());
-  sink.put(list.data(), list.size() * sizeof(Value));
+  sink.put_list(list.data(), list.size());
 }
 
 template <class Value>
 std::vector<Value> take_list(const Source& source) {
-  const auto count = source.take<std::size_t>();
-  std::vector<Value> list;
-  if (count > list.max_size()) throw analysis::ChildDied("claims what cannot be");
-  list.resize(count);
+  std::vector<Value> list(source.take_count());
   source.take(list.data(), list.size() * sizeof(Value));
   return list;
 }
