@@ -19,7 +19,7 @@ double time_step(const State& state, const StepSettings& settings, double dt_lim
   double dt = dt_limit;
   if (g > 0.0) dt = std::min(dt, settings.gravity_courant * std::sqrt(h / g));
   const double fastest = std::max(state.particles.velocities.cwiseAbs().maxCoeff(),
-                                  fastest_surface(state.bodies, twists_of(state.bodies))) +
+                                  fastest_surface(state.grid, state.bodies, twists_of(state.bodies), dt)) +
                          g * dt;
   if (fastest > 0.0) dt = std::min(dt, settings.courant * h / fastest);
   for (const Source& source : state.sources) {  // what enters must not come far in its first step
@@ -283,7 +283,7 @@ void advance_time(State& state, double dt, StepReport& report) {
   state.time += dt;
   if (std::abs(event - state.time) < 1e-9 * dt)
     state.time = event;  // so that round-off leaves no sliver of a step
-  apply_explosions(state.explosions, before, state.time, state.particles, state.bodies);
+  apply_explosions(state.grid, state.explosions, before, state.time, state.particles, state.bodies);
   if (opening <= state.time) {
     state.openings = openings_of(state.grid, state.walls, state.time);
     if (!state.bodies.empty()) {
@@ -391,11 +391,11 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   // half the time step where that would carry a particle too far.
   Flow flow = flow_of(state, settings, now.region, before, report.dt, watch, report);
   const auto too_far = [&] {
-    const bool bodies =
-        !state.bodies.empty() && fastest_surface(state.bodies, flow.bodies.twists(flow.speeds)) * report.dt >
-                                     largest_allowed_move * state.grid.spacing;
-    return bodies || moves_further(now.region, now.points, flow.velocity, report.dt, state.particles,
-                                   largest_allowed_move);
+    const double fastest_body =
+        fastest_surface(state.grid, state.bodies, flow.bodies.twists(flow.speeds), report.dt);
+    return fastest_body * report.dt > largest_allowed_move * state.grid.spacing ||
+           moves_further(now.region, now.points, flow.velocity, report.dt, state.particles,
+                         largest_allowed_move);
   };
   while (stagnated(state, flow.projection, report.dt, report) || too_far()) {
     report.seconds[Phase::move] += watch.lap();

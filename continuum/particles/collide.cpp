@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "continuum/parallel.h"
+#include "continuum/solids/body_images.h"
 
 namespace talus {
 namespace {
@@ -76,6 +77,7 @@ double put_back(const Grid& grid, const Openings& openings, Particles& particles
 CollisionReport collide_with_walls(const Grid& grid, const Openings& openings, const Eigen::ArrayXd& friction,
                                    Particles& particles, std::span<const Body> bodies) {
   if (!openings.any()) return {};
+  const std::vector<Eigen::Vector3d> of_bodies = middles(bodies);
   const auto block = [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
     CollisionReport report;
     report.on_bodies.assign(bodies.size(), Eigen::Matrix<double, 6, 1>::Zero());
@@ -83,20 +85,19 @@ CollisionReport collide_with_walls(const Grid& grid, const Openings& openings, c
       const double moved =
           put_back(grid, openings, particles, p, [&](const Eigen::Vector3d& normal, int cell) {
             const double wall = openings.friction[cell];
-            const Body* body = openings.body[cell] >= 0 && !bodies.empty()
-                                   ? &bodies[static_cast<std::size_t>(openings.body[cell])]
-                                   : nullptr;
-            const Eigen::Vector3d position = particles.positions.col(p);
+            const auto b = static_cast<std::size_t>(openings.body[cell]);
+            const bool of_body = openings.body[cell] >= 0 && !bodies.empty();
+            Eigen::Vector3d position = particles.positions.col(p);
+            if (of_body) position = nearest_image(grid, position, of_bodies[b]);
             Eigen::Vector3d velocity = particles.velocities.col(p);
-            if (body) velocity -= velocity_at(*body, position);
+            if (of_body) velocity -= velocity_at(bodies[b], position);
             const Eigen::Vector3d taken = taken_by_wall(velocity, normal, wall < 0.0 ? friction[p] : wall);
             particles.velocities.col(p) -= taken;
             const Eigen::Vector3d impulse = particles.masses[p] * taken;
             report.impulse -= impulse;
-            if (!body) return;
-            auto& on_body = report.on_bodies[static_cast<std::size_t>(openings.body[cell])];
-            on_body.head<3>() += impulse;
-            on_body.tail<3>() += (position - body->pose.position).cross(impulse);
+            if (!of_body) return;
+            report.on_bodies[b].head<3>() += impulse;
+            report.on_bodies[b].tail<3>() += (position - bodies[b].pose.position).cross(impulse);
           });
       report.count += moved > 0.0;
       report.deepest = std::max(report.deepest, moved);

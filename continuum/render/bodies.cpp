@@ -10,6 +10,7 @@
 
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
+#include "continuum/solids/body_images.h"
 #include "continuum/solids/mesh_file.h"
 
 namespace talus {
@@ -89,6 +90,16 @@ const Eigen::Isometry3d& placement_at(const DrawnBody& body, double time) {
   if (after == body.moments.begin())
     throw InputError(fmt::format("bodies.csv: says nothing of body '{}' by {} s", body.name, time));
   return std::prev(after)->placement;
+}
+
+std::vector<Eigen::Isometry3d> images_at(const DrawnBody& body, double time, const Grid& grid) {
+  const Eigen::Isometry3d& placement = placement_at(body, time);
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3f& corner : body.surface.corners) box.extend(placement * corner.cast<double>());
+  std::vector<Eigen::Isometry3d> images;
+  for (const Eigen::Vector3d& shift : shifts_into_domain(grid, box))
+    images.emplace_back(Eigen::Translation3d(shift) * placement);
+  return images;
 }
 
 }  // namespace talus

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "continuum/grid/grid.h"
+
 namespace talus {
 
 struct Triangles {
@@ -36,5 +38,7 @@ std::vector<DrawnBody> read_bodies(const std::filesystem::path& run_folder);
 
 /// Where a body is at a time: as its latest row by then says. Throws InputError when there is none yet.
 const Eigen::Isometry3d& placement_at(const DrawnBody& body, double time);
+/// There, and where its images over periodic seams are; those that the domain sees.
+std::vector<Eigen::Isometry3d> images_at(const DrawnBody& body, double time, const Grid& grid);
 
 }  // namespace talus

@@ -156,13 +156,12 @@ void write_wall(const Wall& wall, const Camera& camera, Text& text) {
     text.add(" pigment {{ srgb <0.55,0.57,0.60> }} finish {{ specular 0.1 }} }}\n");
 }
 
-void write_body(const DrawnBody& body, double time, Text& text) {
+void write_body(const DrawnBody& body, const Eigen::Isometry3d& placement, Text& text) {
   text.add("mesh2 {{ vertex_vectors {{ {}", body.surface.corners.size());
   for (const Eigen::Vector3f& corner : body.surface.corners)
     text.add(", <{:.9g},{:.9g},{:.9g}>", corner[0], corner[1], corner[2]);
   text.add(" }}\nface_indices {{ {}", body.surface.faces.size());
   for (const auto& [a, b, c] : body.surface.faces) text.add(", <{},{},{}>", a, b, c);
-  const Eigen::Isometry3d& placement = placement_at(body, time);
   text.add(" }}\n{} pigment {{ srgb <0.62,0.66,0.72> }} finish {{ specular 0.4 roughness 0.03 }} }}\n",
            matrix_of(placement.linear(), placement.translation()));
 }
@@ -221,7 +220,10 @@ void write_pov_scene(const std::filesystem::path& file, const RunFolder& run, co
   for (const Wall& wall : run.scene.walls) {
     if (wall.stands_at(frame.time)) write_wall(wall, look.camera, text);
   }
-  for (const DrawnBody& body : run.bodies) write_body(body, frame.time, text);
+  for (const DrawnBody& body : run.bodies) {
+    for (const Eigen::Isometry3d& image : images_at(body, frame.time, run.scene.grid))
+      write_body(body, image, text);
+  }
   write_sand(frame, look, share_of_radius * look.radius, text);
   text.finish();
 }

@@ -48,12 +48,13 @@ void add_bodies(const RunFolder& run, double time, Eigen::Matrix3Xd& subject) {
   for (const DrawnBody& body : run.bodies) {
     Eigen::AlignedBox3d box;
     for (const Eigen::Vector3f& corner : body.surface.corners) box.extend(corner.cast<double>().eval());
-    for (int corner = 0; corner < 8; ++corner) {
-      const Eigen::Vector3d at =
-          placement_at(body, time) * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
-      if (!domain.contains(at)) continue;
-      subject.conservativeResize(3, subject.cols() + 1);
-      subject.col(subject.cols() - 1) = at;
+    for (const Eigen::Isometry3d& image : images_at(body, time, run.scene.grid)) {
+      for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3d at = image * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+        if (!domain.contains(at)) continue;
+        subject.conservativeResize(3, subject.cols() + 1);
+        subject.col(subject.cols() - 1) = at;
+      }
     }
   }
 }

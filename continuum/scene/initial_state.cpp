@@ -14,14 +14,6 @@ struct Lattice {
   double mass;  // kg, of each
 };
 
-/// As wide as the grid sees bodies.
-bool in_a_body(const Scene& scene, const std::vector<double>& swollen, const Eigen::Vector3d& position) {
-  for (std::size_t b = 0; b < swollen.size(); ++b) {
-    if (signed_distance(scene.bodies[b], position) < swollen[b]) return true;
-  }
-  return false;
-}
-
 /// A lattice that fills the shape's bounds exactly, as near to n per cell and axis as whole numbers allow; of it, what
 /// lies in the shape and outside walls and bodies.
 template <class Random>
@@ -40,7 +32,8 @@ Lattice fill(const Scene& scene, const Filling& filling, Random& symmetric) {
         for (int axis = 0; axis < 3; ++axis) at[axis] += 0.5 * scene.jitter * symmetric();
         const Eigen::Vector3d position = box.min() + at.cwiseProduct(spacing);
         if (signed_distance(filling.shape, position) > 0.0 ||
-            nearest_wall(scene.walls, 0.0, position).distance < 0.0 || in_a_body(scene, swollen, position))
+            nearest_wall(scene.walls, 0.0, position).distance < 0.0 ||
+            in_a_body(scene.grid, scene.bodies, swollen, position))
           continue;
         for (const Filling* earlier = scene.fillings.data(); earlier != &filling; ++earlier) {
           if (signed_distance(earlier->shape, position) < -1e-9 * scene.grid.spacing)

@@ -8,6 +8,7 @@
 
 #include "continuum/scene/read_common.h"
 #include "continuum/scene/read_shape.h"
+#include "continuum/solids/body_images.h"
 #include "continuum/solids/mass_properties.h"
 
 namespace talus {
@@ -85,12 +86,23 @@ Twist read_twist(const CheckedTable& table, const BodyMotion& motion) {
   return twist;
 }
 
+/// Over the ends of a periodic axis a body may reach.
+bool fits(const Grid& grid, const Eigen::AlignedBox3d& box) {
+  Eigen::AlignedBox3d within = box;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!grid.periodic[static_cast<std::size_t>(axis)]) continue;
+    within.min()[axis] = grid.origin[axis];
+    within.max()[axis] = grid.origin[axis] + box.sizes()[axis];
+  }
+  return holds(grid, within);
+}
+
 Shape read_body_shape(const CheckedTable& table, const Grid& grid) {
   const Shape shape = read_shape(table.table("shape"));
   if (const auto fault = body_fault(shape)) throw table.error("shape", *fault);
-  if (!holds(grid, bounds(shape))) {
-    throw table.error("shape",
-                      "must lie inside the domain, and must not reach over the ends of a periodic axis");
+  if (!fits(grid, bounds(shape))) {
+    throw table.error(
+        "shape", "must lie inside the domain; along a periodic axis it must be no longer than the domain");
   }
   return shape;
 }
@@ -124,12 +136,14 @@ void check_overlaps(const std::vector<CheckedTable>& tables, const std::vector<B
     throw tables[i].error("shape", fmt::format("must not overlap body '{}'", bodies[other].name));
   };
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Eigen::Vector3d& centre = bodies[i].pose.position;
+    const Eigen::Vector3d centre = surroundings.grid.wrapped_position(bodies[i].pose.position);
     const bool prescribed = std::holds_alternative<Prescribed>(bodies[i].motion);
     const double inside = -0.5 * inradius(bodies[i].shape);
     if (!prescribed && nearest_wall(surroundings.walls, 0.0, centre).distance < inside) refuse_wall(i);
     for (std::size_t j = 0; j < bodies.size(); ++j) {
-      if (j != i && signed_distance(bodies[j], centre) < inside) refuse_body(std::max(i, j), std::min(i, j));
+      if (j == i) continue;
+      const Eigen::Vector3d image = nearest_image(surroundings.grid, centre, bounds(bodies[j]).center());
+      if (signed_distance(bodies[j], image) < inside) refuse_body(std::max(i, j), std::min(i, j));
     }
   }
   for (const ContactPoint& contact : ContactFinder(bodies, surroundings).find(bodies, 0.0)) {

@@ -22,7 +22,7 @@ namespace talus {
 ///                          { kind = "hinge", pivot_m, axis, torque_n_m = 0 }: starts with angular_velocity_rad_s, along its axis
 ///                          { kind = "prescribed", velocity_m_s = 0, angular_velocity_rad_s = 0, start_s = 0, end_s = infinity }
 ///
-/// Throws InputError, also for bodies that reach out of the domain (or over a periodic seam), lie in walls or in each other
+/// Throws InputError, also for bodies that reach out of the domain or are longer than a period, lie in walls or in each other
 /// (what is prescribed may lie in walls), or are thinner than a quarter of a cell.
 std::vector<Body> read_bodies(const CheckedTable& root, const BodySurroundings& surroundings);
 

@@ -15,11 +15,11 @@ namespace {
 constexpr double most_cells_searched = 5e6;
 constexpr double round_off = 0.02;  // relative: how well an inradius is known
 
-/// How thick a shape is where it is thickest, m. An exact mesh does not tell: then the shortest side of its box.
+/// How thick a shape is, m, a body's mesh where it is thinnest. Others do not tell: then the shortest side of its box.
 double thickness(const Shape& shape) {
   if (std::holds_alternative<Mesh>(shape.geometry) || body_fault(shape))
     return bounds(shape).sizes().minCoeff();
-  return 2.0 * inradius(shape);
+  return thinnest(shape);
 }
 
 bool plane_strain(const Scene& scene) {

@@ -193,7 +193,7 @@ Vector3d velocity_at(const Body& body, const Vector3d& point) {
 }
 
 double thickening(const Body& body, double least_thickness) {
-  return std::max(0.0, 0.5 * least_thickness - inradius(body.shape));
+  return std::max(0.0, 0.5 * (least_thickness - thinnest(body.shape)));
 }
 
 Matrix6d inverse_mass(const Body& body) {

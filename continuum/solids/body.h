@@ -73,8 +73,8 @@ double outer_radius(const Body& body);
 Eigen::Vector3d velocity_at(const Body& body, const Eigen::Vector3d& point);
 
 /// The grid sees solids at the corners of its cells and would miss what is thinner than a cell. signed_distance - thickening is
-/// the distance to a body that is swollen by so much (m) that it is `least_thickness` (m) thick where it is thickest; zero for
-/// those that are anyway. Does not depend on pose: ask once. A mesh whose thin parts hang on a thick one gets no thicker.
+/// the distance to a body that is swollen by so much (m) that it is `least_thickness` (m) thick, a mesh where it is thinnest; zero for
+/// those that are anyway. Does not depend on pose: ask once.
 double thickening(const Body& body, double least_thickness);
 
 /// What an impulse and an angular impulse about the centre of mass change a body's twist by: 6 x 6, (velocity, angular

@@ -3,7 +3,33 @@
 #include <algorithm>
 #include <limits>
 
+#include "continuum/solids/body_images.h"
+
 namespace talus {
+namespace {
+
+/// A body as the grid sees it, whole periods away from where its pose says.
+struct Image {
+  std::size_t body;
+  Eigen::Vector3d shift;
+  Eigen::AlignedBox3d place;  // where it closes anything
+};
+
+std::vector<Image> images_in_domain(const Grid& grid, std::span<const Body> bodies,
+                                    std::span<const double> swellings) {
+  const Eigen::Vector3d layer = Eigen::Vector3d::Constant(grid.spacing);  // add_solids looks so far around
+  std::vector<Image> images;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    Eigen::AlignedBox3d box = bounds(bodies[b]);
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(swellings[b] + 0.5 * grid.spacing);
+    const Eigen::AlignedBox3d place(box.min() - margin, box.max() + margin);
+    for (const Eigen::Vector3d& shift : shifts_into_domain(grid, {place.min() - layer, place.max() + layer}))
+      images.push_back({b, shift, {place.min() + shift, place.max() + shift}});
+  }
+  return images;
+}
+
+}  // namespace
 
 std::vector<double> swellings(std::span<const Body> bodies, double spacing) {
   std::vector<double> swollen;
@@ -13,19 +39,16 @@ std::vector<double> swellings(std::span<const Body> bodies, double spacing) {
 
 void find_openings(const Grid& grid, const Openings& fixed, std::span<const Body> bodies,
                    std::span<const double> swellings, Openings& openings) {
+  const std::vector<Image> images = images_in_domain(grid, bodies, swellings);
   std::vector<Eigen::AlignedBox3d> places;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    Eigen::AlignedBox3d box = bounds(bodies[b]);
-    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(swellings[b] + 0.5 * grid.spacing);
-    places.emplace_back(box.min() - margin, box.max() + margin);
-  }
+  for (const Image& image : images) places.push_back(image.place);
   add_solids(
       grid, fixed, places,
       [&](const Eigen::Vector3d& point) {
         WallDistance nearest{std::numeric_limits<double>::max(), 0.0};
-        for (std::size_t b = 0; b < bodies.size(); ++b) {
-          if (!places[b].contains(point) && places[b].exteriorDistance(point) > 2.0 * grid.spacing) continue;
-          const double distance = signed_distance(bodies[b], point) - swellings[b];
+        for (const auto& [b, shift, place] : images) {
+          if (!place.contains(point) && place.exteriorDistance(point) > 2.0 * grid.spacing) continue;
+          const double distance = signed_distance(bodies[b], point - shift) - swellings[b];
           if (distance < nearest.distance) nearest = {distance, bodies[b].friction, static_cast<int>(b)};
         }
         return nearest;
@@ -33,13 +56,27 @@ void find_openings(const Grid& grid, const Openings& fixed, std::span<const Body
       openings);
 }
 
-double fastest_surface(std::span<const Body> bodies, std::span<const Twist> twists) {
+bool in_a_body(const Grid& grid, std::span<const Body> bodies, std::span<const double> swellings,
+               const Eigen::Vector3d& position) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const Eigen::Vector3d image = nearest_image(grid, position, bounds(bodies[b]).center());
+    if (signed_distance(bodies[b], image) < swellings[b]) return true;
+  }
+  return false;
+}
+
+double fastest_surface(const Grid& grid, std::span<const Body> bodies, std::span<const Twist> twists,
+                       double dt) {
+  const Eigen::AlignedBox3d domain(grid.origin, grid.upper());
   double fastest = 0.0;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const Eigen::AlignedBox3d box = bounds(bodies[b]);
     const Eigen::Vector3d& centre = bodies[b].pose.position;
     const double reach = (box.max() - centre).cwiseAbs().cwiseMax((box.min() - centre).cwiseAbs()).norm();
-    fastest = std::max(fastest, twists[b].velocity.norm() + reach * twists[b].angular_velocity.norm());
+    const double speed = twists[b].velocity.norm() + reach * twists[b].angular_velocity.norm();
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(2.0 * grid.spacing + speed * dt);
+    if (meeting_shifts(grid, {box.min() - margin, box.max() + margin}, domain).empty()) continue;
+    fastest = std::max(fastest, speed);
   }
   return fastest;
 }

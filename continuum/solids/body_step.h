@@ -15,12 +15,18 @@ inline constexpr double least_thickness = 1.1;
 /// How much each body is swollen on a grid of this spacing, m (thickening).
 std::vector<double> swellings(std::span<const Body> bodies, double spacing);
 
-/// What fixed walls and bodies leave open; `openings` is overwritten, in its memory.
+/// What fixed walls and bodies, with their images over periodic seams, leave open; `openings` is overwritten, in its memory.
 void find_openings(const Grid& grid, const Openings& fixed, std::span<const Body> bodies,
                    std::span<const double> swellings, Openings& openings);
 
-/// The fastest that any part of any body moves, at most; m/s. 0 without bodies.
-double fastest_surface(std::span<const Body> bodies, std::span<const Twist> twists);
+/// Whether a position (m) lies in one of the bodies, as wide as the grid sees them.
+bool in_a_body(const Grid& grid, std::span<const Body> bodies, std::span<const double> swellings,
+               const Eigen::Vector3d& position);
+
+/// The fastest that any part of any body moves, at most, m/s; of those alone that are within the domain or could come near it
+/// within dt (s), so that what has left through an open side and falls on and on is not waited for. 0 without such.
+double fastest_surface(const Grid& grid, std::span<const Body> bodies, std::span<const Twist> twists,
+                       double dt);
 
 /// The bodies' twists after dt of gravity (m/s^2) and of the torques of hinges.
 std::vector<Twist> accelerated_twists(std::span<const Body> bodies, const Eigen::Vector3d& gravity,

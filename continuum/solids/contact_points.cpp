@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "continuum/solids/body_images.h"
 #include "continuum/solids/hollow_contact.h"
 #include "continuum/solids/revolved.h"
 #include "continuum/solids/surface_mesh.h"
@@ -219,6 +220,22 @@ struct ContactFinder::Geometries {
     place(bodies[i], body.pose.orientation.toRotationMatrix(), body.pose.position);
     return bodies[i];
   }
+  void add_of_pair(std::size_t i, std::size_t j, const Body& first, const Body& second,
+                   std::vector<ContactPoint>& contacts) {
+    const Geometry &a = of_body(i, first), &b = of_body(j, second);
+    if (is_mesh(a) && is_mesh(b))
+      add_contacts_of_meshes(static_cast<int>(i), static_cast<int>(j), first, second, contacts);
+    else
+      add_contacts(static_cast<int>(i), static_cast<int>(j), a, b, contacts);
+  }
+  void add_of_obstacle(std::size_t i, const Body& body, Obstacle& obstacle,
+                       std::vector<ContactPoint>& contacts) {
+    const Geometry &a = of_body(i, body), &b = of_obstacle(obstacle);
+    if (is_mesh(a) && is_mesh(b))
+      add_contacts_by_points(static_cast<int>(i), body, obstacle.shape, contacts);
+    else
+      add_contacts(static_cast<int>(i), no_body, a, b, contacts);
+  }
   static const Geometry& of_obstacle(Obstacle& obstacle) {
     if (!obstacle.geometry.geom) {
       obstacle.geometry = geometry_of(obstacle.shape);
@@ -256,34 +273,40 @@ std::vector<ContactPoint> ContactFinder::find(std::span<const Body> bodies, doub
   std::vector<Eigen::AlignedBox3d> boxes;
   for (const Body& body : bodies) boxes.push_back(bounds(body));
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const int first = static_cast<int>(i);
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
       if (prescribed(bodies[i]) && prescribed(bodies[j])) continue;
-      if (!boxes[i].intersects(boxes[j])) continue;
-      const Geometry& a = geometries_->of_body(i, bodies[i]);
-      const Geometry& b = geometries_->of_body(j, bodies[j]);
-      if (is_mesh(a) && is_mesh(b))
-        add_contacts_of_meshes(first, static_cast<int>(j), bodies[i], bodies[j], contacts);
-      else
-        add_contacts(first, static_cast<int>(j), a, b, contacts);
+      for (const Vector3d& shift : meeting_shifts(surroundings_.grid, boxes[j], boxes[i])) {
+        const std::size_t before = contacts.size();
+        geometries_->add_of_pair(i, j, bodies[i], shifted(bodies[j], shift), contacts);
+        for (std::size_t c = before; c < contacts.size(); ++c) contacts[c].second_shift = shift;
+      }
     }
-    if (prescribed(bodies[i])) continue;
+    if (!prescribed(bodies[i])) add_of_walls(i, bodies[i], boxes[i], time, contacts);
+  }
+  return contacts;
+}
+
+void ContactFinder::add_of_walls(std::size_t i, const Body& body, const Eigen::AlignedBox3d& box, double time,
+                                 std::vector<ContactPoint>& contacts) {
+  const auto stands = [&](int wall) {
+    return wall < 0 || surroundings_.walls[static_cast<std::size_t>(wall)].stands_at(time);
+  };
+  const std::vector<Vector3d> shifts = shifts_into_domain(surroundings_.grid, box);
+  for (const Vector3d& shift : shifts) {
+    const std::size_t before = contacts.size();
+    const Body image = shifted(body, shift);
+    const Eigen::AlignedBox3d place(box.min() + shift, box.max() + shift);
     for (Geometries::Obstacle& obstacle : geometries_->obstacles) {
-      const bool stands =
-          obstacle.wall < 0 || surroundings_.walls[static_cast<std::size_t>(obstacle.wall)].stands_at(time);
-      if (!stands || !boxes[i].intersects(obstacle.box)) continue;
-      if (is_mesh(geometries_->of_body(i, bodies[i])) && is_mesh(Geometries::of_obstacle(obstacle)))
-        add_contacts_by_points(first, bodies[i], obstacle.shape, contacts);
-      else
-        add_contacts(first, no_body, geometries_->of_body(i, bodies[i]), Geometries::of_obstacle(obstacle),
-                     contacts);
+      const bool seen = obstacle.wall < 0 && &shift != shifts.data();  // a side is the same to all images
+      if (!seen && stands(obstacle.wall) && place.intersects(obstacle.box))
+        geometries_->add_of_obstacle(i, image, obstacle, contacts);
     }
     for (const Wall& wall : surroundings_.walls) {
       if (wall.shape.hollow && wall.stands_at(time))
-        add_contacts_by_points(first, bodies[i], wall.shape, contacts);
+        add_contacts_by_points(static_cast<int>(i), image, wall.shape, contacts);
     }
+    for (std::size_t c = before; c < contacts.size(); ++c) contacts[c].position -= shift;
   }
-  return contacts;
 }
 
 }  // namespace talus

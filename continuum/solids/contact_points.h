@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <memory>
 #include <span>
 #include <vector>
@@ -25,9 +26,11 @@ inline constexpr int no_body = -1;
 
 struct ContactPoint {
   int first, second;         // bodies; `second` is no_body where a wall or a side is touched
-  Eigen::Vector3d position;  // m
+  Eigen::Vector3d position;  // m, with the first body where its pose says
   Eigen::Vector3d normal;    // unit vector into the first body
   double depth;              // m, at least 0: how far they must part along the normal
+  Eigen::Vector3d second_shift =
+      Eigen::Vector3d::Zero();  // m, from where the second's pose says to where it touches
 };
 
 /// Finds contacts of the same bodies and walls again and again; what the library keeps of them (search trees of meshes) is
@@ -37,8 +40,8 @@ struct ContactPoint {
 /// as triangles (surface_mesh.h). Where a wall is hollow, points of the body's surface (all a sphere, a capsule's line, a
 /// cylinder's lowest ones, corners and a lattice on boxes and triangles) are held against the wall's own distance: what
 /// of such a wall stands out between them, as the edge of an opening may, is not seen. So it is with two of what touches
-/// as triangles: points of each against the other, of the body alone against a wall. Bodies do not
-/// touch over a periodic seam.
+/// as triangles: points of each against the other, of the body alone against a wall. Over
+/// periodic seams bodies touch each other and walls as images do (body_images.h), but no body touches itself.
 class ContactFinder {
  public:
   ContactFinder(std::span<const Body> bodies, const BodySurroundings& surroundings);
@@ -50,6 +53,9 @@ class ContactFinder {
   std::vector<ContactPoint> find(std::span<const Body> bodies, double time);
 
  private:
+  void add_of_walls(std::size_t i, const Body& body, const Eigen::AlignedBox3d& box, double time,
+                    std::vector<ContactPoint>& contacts);
+
   struct Geometries;
   const BodySurroundings surroundings_;
   std::unique_ptr<Geometries> geometries_;

@@ -92,7 +92,9 @@ MassProperties properties_of(const Plane&) { throw std::invalid_argument("a half
 double inradius_of(const Box& box) { return box.half_size.minCoeff(); }
 double inradius_of(const Sphere& sphere) { return sphere.radius; }
 double inradius_of(const Capsule& capsule) { return capsule.radius; }
-double inradius_of(const SampledMesh& mesh) { return -mesh.samples->distances.minCoeff(); }
+double inradius_of(const SampledMesh& mesh) {
+  return std::max(-mesh.samples->distances.minCoeff(), 0.5 * mesh.samples->thinnest);
+}
 double inradius_of(const Mesh&) {
   throw std::invalid_argument("only sampled meshes know how thick they are");
 }
@@ -143,6 +145,11 @@ std::optional<std::string> body_fault(const Shape& shape) {
 MassProperties mass_properties(const Shape& shape) {
   require_body(shape);
   return std::visit([](const auto& geometry) { return properties_of(geometry); }, shape.geometry);
+}
+
+double thinnest(const Shape& shape) {
+  const auto* const mesh = std::get_if<SampledMesh>(&shape.geometry);
+  return mesh ? mesh->samples->thinnest : 2.0 * inradius(shape);
 }
 
 double inradius(const Shape& shape) {

@@ -25,5 +25,7 @@ MassProperties mass_properties(const Shape& shape);
 /// Radius of the largest ball that a shape holds, m: half of how thick it is where it is thickest. Within 1 % for solids of
 /// revolution that are not cylinders, within the error of the samples for sampled meshes. Throws as above, and for exact meshes.
 double inradius(const Shape& shape);
+/// How thick a sampled mesh is where it is thinnest, edges aside (thinnest_part); all others 2 inradius. m. Throws as above.
+double thinnest(const Shape& shape);
 
 }  // namespace talus

@@ -8,6 +8,7 @@
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/compute_normal.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/orientation.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
@@ -20,6 +21,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -203,6 +205,25 @@ double signed_distance(const Mesh& mesh, const Eigen::Vector3d& point) {
   const Point at = to_point(point);
   const double distance = std::sqrt(mesh.surface->tree.squared_distance(at));
   return mesh.surface->side_of(at) == CGAL::ON_BOUNDED_SIDE ? -distance : distance;
+}
+
+double thinnest_part(const Mesh& mesh) {
+  constexpr double opposite = -0.8;  // at most, cosine of normals
+  const Surface& surface = mesh.surface->surface;
+  double thinnest = std::numeric_limits<double>::infinity();
+  for (const auto face : surface.faces()) {
+    const auto corner = surface.halfedge(face);
+    const Point middle =
+        CGAL::centroid(surface.point(surface.source(corner)), surface.point(surface.target(corner)),
+                       surface.point(surface.target(surface.next(corner))));
+    const auto normal = processing::compute_face_normal(face, surface);
+    const auto hit = mesh.surface->tree.first_intersection(Kernel::Ray_3(middle, -normal),
+                                                           [&](const auto other) { return other == face; });
+    const Point* const exit = hit ? boost::get<Point>(&hit->first) : nullptr;
+    if (!exit || processing::compute_face_normal(hit->second, surface) * normal > opposite) continue;
+    thinnest = std::min(thinnest, std::sqrt(CGAL::squared_distance(middle, *exit)));
+  }
+  return thinnest;
 }
 
 Eigen::AlignedBox3d bounds(const Mesh& mesh) {

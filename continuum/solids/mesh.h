@@ -34,6 +34,9 @@ Mesh shifted(const Mesh& mesh, const Eigen::Vector3d& by);
 /// Distance to the nearest triangle, m, negative inside. On one core of a shared server, around spheres: 7 us with 400
 /// triangles, 23 us with 20 000, 110 us with 250 000.
 double signed_distance(const Mesh& mesh, const Eigen::Vector3d& point);
+/// How thick the solid is where it is thinnest, edges aside, m: the shortest way through it from the middle of a triangle along its
+/// normal, of those that end at one turned the other way, as in a plate; infinite where none does, as in a tetrahedron.
+double thinnest_part(const Mesh& mesh);
 /// The smallest axis-aligned box that holds the solid, m.
 Eigen::AlignedBox3d bounds(const Mesh& mesh);
 

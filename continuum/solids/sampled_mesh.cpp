@@ -3,16 +3,34 @@
 #include <algorithm>
 
 namespace talus {
+namespace {
+
+constexpr double margin = 4.0;  // spacings
+constexpr double most_nodes = 1e6;
+
+Eigen::Array3d nodes_of(const Eigen::AlignedBox3d& box, double spacing) {
+  return (box.sizes() / spacing).array().ceil() + 2.0 * margin + 1.0;
+}
+
+/// Two nodes lie within the thinnest part, as far as that can be paid for.
+double spacing_of(const Eigen::AlignedBox3d& box, double thinnest, int intervals) {
+  constexpr double coarser = 1.05;
+  const double usual = box.sizes().maxCoeff() / intervals;
+  double spacing = std::min(usual, 0.5 * thinnest);
+  while (spacing < usual && nodes_of(box, spacing).prod() > most_nodes) spacing *= coarser;
+  return std::min(spacing, usual);
+}
+
+}  // namespace
 
 SampledMesh sample_distances(const Mesh& mesh, int intervals) {
-  constexpr double margin = 4.0;  // spacings
   const Eigen::AlignedBox3d box = bounds(mesh);
+  const double part = thinnest_part(mesh);
   DistanceSamples samples;
   samples.mesh = mesh;
-  samples.spacing = box.sizes().maxCoeff() / intervals;
+  samples.spacing = spacing_of(box, part, intervals);
   samples.lower = box.min().array() - margin * samples.spacing;
-  samples.nodes =
-      (box.sizes() / samples.spacing).array().ceil().cast<int>() + static_cast<int>(2.0 * margin) + 1;
+  samples.nodes = nodes_of(box, samples.spacing).cast<int>();
   samples.distances.resize(samples.nodes.cast<Eigen::Index>().prod());
   Eigen::Index n = 0;
   for (int k = 0; k < samples.nodes[2]; ++k) {
@@ -22,6 +40,8 @@ SampledMesh sample_distances(const Mesh& mesh, int intervals) {
             signed_distance(mesh, samples.lower + samples.spacing * Eigen::Vector3d(i, j, k));
     }
   }
+  const double ball = -2.0 * samples.distances.minCoeff();
+  samples.thinnest = ball > 0.0 ? std::min(part, ball) : part;  // a plate may lie between the nodes
   return {std::make_shared<const DistanceSamples>(std::move(samples))};
 }
 

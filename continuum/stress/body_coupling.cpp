@@ -2,6 +2,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "continuum/solids/body_images.h"
+
 namespace talus {
 namespace {
 
@@ -21,6 +23,23 @@ Eigen::Vector3d centre_of(const ActiveRegion& region, int cell) {
   const Eigen::Vector3i at = grid.cell_of_index(region.dense_of_cell[static_cast<std::size_t>(cell)]);
   return grid.origin + grid.spacing * (at.cast<double>().array() + 0.5).matrix();
 }
+
+/// From bodies' centres of mass to cells, m, over periodic seams where that is nearer.
+class Arms {
+ public:
+  Arms(const ActiveRegion& region, std::span<const Body> bodies)
+      : region_(region), bodies_(bodies), middles_(middles(bodies)) {}
+
+  Eigen::Vector3d to(int cell, int body) const {
+    const auto b = static_cast<std::size_t>(body);
+    return nearest_image(region_.grid, centre_of(region_, cell), middles_[b]) - bodies_[b].pose.position;
+  }
+
+ private:
+  const ActiveRegion& region_;
+  std::span<const Body> bodies_;
+  std::vector<Eigen::Vector3d> middles_;
+};
 
 }  // namespace
 
@@ -45,16 +64,18 @@ BodyCoupling::BodyCoupling(const ActiveRegion& region, std::span<const Body> bod
     bodies_.push_back(of);
   }
   inverse_mass_ = Eigen::Map<const Field>(inverse_mass.data(), modes);
+  const Arms arms(region, bodies);
+  const auto row_at = [&](int cell, int body, const Eigen::Vector3d& direction) {
+    return body < 0 ? BodyRow{} : row(body, arms.to(cell, body), direction);
+  };
   for (const Contact& contact : region.contacts) {
     for (int t = 0; t < 2; ++t)
-      contact_rows_.push_back(row(region, bodies, contact.cell, contact.body, -contact.tangents.col(t)));
+      contact_rows_.push_back(row_at(contact.cell, contact.body, -contact.tangents.col(t)));
     if (contact.body >= 0)
-      cells_.push_back(
-          {contact.cell, row(region, bodies, contact.cell, contact.body, contact.area * contact.normal)});
+      cells_.push_back({contact.cell, row_at(contact.cell, contact.body, contact.area * contact.normal)});
   }
   for (const Closure& closure : region.closures) {
-    closure_rows_.push_back(
-        row(region, bodies, closure.cell, closure.body, closure.normal_share * closure.normal));
+    closure_rows_.push_back(row_at(closure.cell, closure.body, closure.normal_share * closure.normal));
     closures_.emplace_back(closure.cell, closure.axis);
   }
 }
@@ -62,11 +83,12 @@ BodyCoupling::BodyCoupling(const ActiveRegion& region, std::span<const Body> bod
 std::vector<BodyImpulse> impulses_on_bodies(const ActiveRegion& region, std::span<const Body> bodies,
                                             const Field& pressure, const StressField& friction) {
   std::vector<BodyImpulse> impulses(bodies.size());
+  const Arms arms(region, bodies);
   const auto push = [&](int body, int cell, const Eigen::Vector3d& impulse) {
     if (body < 0) return;
     const auto b = static_cast<std::size_t>(body);
     impulses[b].linear += impulse;
-    impulses[b].angular += (centre_of(region, cell) - bodies[b].pose.position).cross(impulse);
+    impulses[b].angular += arms.to(cell, body).cross(impulse);
   };
   Eigen::Index value = 0;
   for (const Contact& contact : region.contacts) {
@@ -86,11 +108,8 @@ const BodyCoupling& no_bodies() {
   return none;
 }
 
-BodyRow BodyCoupling::row(const ActiveRegion& region, std::span<const Body> bodies, int cell, int body,
-                          const Eigen::Vector3d& direction) const {
-  if (body < 0) return {};
+BodyRow BodyCoupling::row(int body, const Eigen::Vector3d& arm, const Eigen::Vector3d& direction) const {
   const Modes& modes = bodies_[static_cast<std::size_t>(body)];
-  const Eigen::Vector3d arm = centre_of(region, cell) - bodies[static_cast<std::size_t>(body)].pose.position;
   Vector6 wrench;
   wrench << direction, arm.cross(direction);
   BodyRow row{modes.first, modes.count, body, {}};

@@ -83,8 +83,8 @@ class BodyCoupling {
     int first, count;
     Eigen::Matrix<double, 6, 6> to_twist, to_speeds;  // its first `count` columns, rows
   };
-  BodyRow row(const ActiveRegion& region, std::span<const Body> bodies, int cell, int body,
-              const Eigen::Vector3d& direction) const;
+  /// `arm`: from the centre of mass, m.
+  BodyRow row(int body, const Eigen::Vector3d& arm, const Eigen::Vector3d& direction) const;
 
   std::vector<Modes> bodies_;
   Field inverse_mass_;

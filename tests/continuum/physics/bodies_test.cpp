@@ -5,6 +5,8 @@
 
 #include "continuum/io/budget.h"
 #include "tests/continuum/scenes.h"
+#include "tests/continuum/solids/mesh_files.h"
+#include "tests/test_folder.h"
 
 namespace talus {
 namespace {
@@ -187,15 +189,14 @@ TEST(Bodies, DragOnAPlateGrowsWithItsDepthSquared) {
   EXPECT_NEAR(exponent, 2.0, 0.35);
 }
 
-TEST(Bodies, ThinPlateHoldsSand) {
-  // A lid a fifth of a cell thick, held up, with sand on it and none below.
+/// A lid a fifth of a cell thick, held up, with sand on it and none below.
+void expect_lid_holds_sand(const Shape& shape) {
   Scene scene = testing::box_scene({12, 12, 16}, {1, 1, 1}, h, mu);
   scene.fillings = {testing::box_of(0, h * Vector3d(0, 0, 9), h * Vector3d(12, 12, 13))};
   scene.sides[0] = scene.sides[1] = {Side{true, 0.0}, Side{true, 0.0}};
   State state = initial_state(scene);
   const double mass = state.particles.masses.sum();
-  Body lid = make_body("lid", Shape{Box{h * Vector3d(6, 6, 8.3), h * Vector3d(6, 6, 0.1)}}, 1000.0,
-                       Prescribed{{}, 0.0, 10.0});
+  Body lid = make_body("lid", shape, 1000.0, Prescribed{{}, 0.0, 10.0});
   lid.friction = mu;
   add_bodies(state, {lid});
   double push = 0.0, time = 0.0;
@@ -206,6 +207,19 @@ TEST(Bodies, ThinPlateHoldsSand) {
   });
   EXPECT_GT(state.particles.positions.row(2).minCoeff(), 8.0 * h);
   EXPECT_NEAR(push / time, mass * gravity, 0.01 * mass * gravity);
+}
+
+TEST(Bodies, ThinPlateHoldsSand) {
+  expect_lid_holds_sand({Box{h * Vector3d(6, 6, 8.3), h * Vector3d(6, 6, 0.1)}});
+}
+
+TEST(Bodies, ThinPlateOfAMeshHoldsSandBesideAThickPart) {
+  const testing::TestFolder folder;
+  testing::Triangles triangles = testing::box_mesh(h * Vector3d(0, 0, 8.2), h * Vector3d(12, 12, 8.4));
+  const testing::Triangles block = testing::box_mesh(h * Vector3d(3, 3, 2), h * Vector3d(9, 9, 6));
+  triangles.insert(triangles.end(), block.begin(), block.end());
+  testing::write_text_stl(folder.path() / "lid.stl", triangles);
+  expect_lid_holds_sand({read_mesh(folder.path() / "lid.stl")});
 }
 
 TEST(Bodies, WheelTurnsByTheTorquesOfSandAndHinge) {

@@ -120,7 +120,8 @@ TEST_F(ReadBodies, RefusesWhatCannotBeMeant) {
 
 TEST_F(ReadBodies, RefusesPlacesWhereNoneCanBe) {
   expect_error(with("0.06]", "0.098]"), "shape", "must lie inside the domain");
-  expect_error(with("0.005, 0.06]", "0.006, 0.06]"), "shape", "must lie inside the domain");  // over the seam
+  EXPECT_EQ(read(with("0.005, 0.06]", "0.006, 0.06]")).bodies.size(), 1U);  // over the seam
+  expect_error(with("radius_m = 0.005", "radius_m = 0.0051"), "shape", "no longer than the domain");
   expect_error(with("0.06], radius_m = 0.005", "0.06], radius_m = 0.001"), "shape", "is 0.002 m thick");
   const std::string block =
       "[[wall]]\nrough = true\nshape = { kind = 'box', lower_m = [0.104, -1, 0.05], upper_m = [0.15, 1, "
@@ -134,6 +135,8 @@ TEST_F(ReadBodies, RefusesPlacesWhereNoneCanBe) {
   expect_error(ball + testing::replaced(other, "0.1,", "0.109,"), "shape", "must not overlap body 'ball'");
   expect_error(ball + testing::replaced(other, "0.1,", "0.1001,"), "shape", "must not overlap body 'ball'");
   EXPECT_EQ(read(ball + testing::replaced(other, "0.1,", "0.11,")).bodies.size(), 2U);
+  const std::string over_the_seam = testing::replaced(other, "0.1, 0.005, 0.06]", "0.1, 0.025, 0.06]");
+  expect_error(ball + over_the_seam, "shape", "must not overlap body 'ball'");
 }
 
 TEST_F(ReadBodies, MeshesBesideTheSceneFile) {

@@ -11,6 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
+const Grid grid{{0, -1, -1}, 0.1, {20, 20, 20}, {false, false, false}};
 const Explosion blast{0.5, {1, 0, 0}, 0.4, 3.0};
 
 Particles particles_at(const std::vector<Vector3d>& places) {
@@ -29,7 +30,7 @@ TEST(Explosion, PushesWhatIsInTheSphereStraightOutwards) {
       make_body("in", {Sphere{{1, 0, 0.39}, 0.2}}, 1000.0),
       make_body("out", {Sphere{{1, 0, 0.41}, 0.2}}, 1000.0),
       make_body("hinged", {Sphere{{1, 0, 0.39}, 0.2}}, 1000.0, Hinge{{0, 0, 0}, Vector3d::UnitY()})};
-  apply_explosion(blast, particles, bodies);
+  apply_explosion(grid, blast, particles, bodies);
   EXPECT_LT((particles.velocities.col(0) - Vector3d(3, 1, 0)).norm(), 1e-14);
   EXPECT_LT((particles.velocities.col(1) - Vector3d(0, 1 + 1.8, -2.4)).norm(), 1e-14);
   EXPECT_EQ(particles.velocities.col(2), Vector3d(0, 1, 0));
@@ -47,7 +48,7 @@ TEST(Explosion, ComesOnceAndInTime) {
   Particles particles = particles_at({{1.3, 0, 0}});
   const auto pushed = [&](double after, double until) {
     const double before = particles.velocities(0, 0);
-    apply_explosions(explosions, after, until, particles, {});
+    apply_explosions(grid, explosions, after, until, particles, {});
     return particles.velocities(0, 0) - before;
   };
   EXPECT_DOUBLE_EQ(pushed(0.0, 0.25), 1.0);

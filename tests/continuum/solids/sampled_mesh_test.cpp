@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <limits>
 #include <random>
 
 #include "continuum/solids/mass_properties.h"
@@ -70,7 +72,35 @@ TEST(SampledMesh, BeyondTheLatticeIsNoLessThanTheMeshesOwn) {
 TEST(SampledMesh, KnowsHowThickItIs) {
   const SampledMesh plate = sample_distances(mesh_of(testing::box_mesh({0, 0, 0}, {1, 1, 0.2})), 40);
   EXPECT_NEAR(inradius({plate}), 0.1, plate.samples->spacing);
-  EXPECT_LE(inradius({plate}), 0.1 + 1e-12);
+  EXPECT_LE(inradius({plate}), 0.1 + 1e-8);  // files are in single precision
+}
+
+testing::Triangles together(testing::Triangles a, const testing::Triangles& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+TEST(Mesh, ThinnestPartIsWhereSurfacesFaceEachOther) {
+  const auto plate = testing::box_mesh({0, 0, 0}, {1, 1, 0.02});
+  const auto block = testing::box_mesh({1.25, 0, 0}, {2, 1, 0.75});
+  EXPECT_NEAR(thinnest_part(mesh_of(together(plate, block))), 0.02, 1e-6);
+  EXPECT_NEAR(thinnest_part(mesh_of(block)), 0.75, 1e-6);
+  const std::array corners{Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, 0, 1)};
+  const testing::Triangles tetrahedron{{corners[0], corners[2], corners[1]},
+                                       {corners[0], corners[1], corners[3]},
+                                       {corners[0], corners[3], corners[2]},
+                                       {corners[1], corners[2], corners[3]}};
+  EXPECT_EQ(thinnest_part(mesh_of(tetrahedron)), std::numeric_limits<double>::infinity());
+  const SampledMesh sampled = sample_distances(mesh_of(tetrahedron));
+  EXPECT_EQ(thinnest({sampled}), 2.0 * inradius({sampled}));
+}
+
+TEST(SampledMesh, PlateThinnerThanItsLatticeIsNotNothing) {
+  const SampledMesh plate = sample_distances(mesh_of(testing::box_mesh({0, 0, 0}, {1, 1, 0.01})));
+  EXPECT_NEAR(inradius({plate}), 0.005, 1e-6);
+  EXPECT_NEAR(thinnest({plate}), 0.01, 1e-6);
+  EXPECT_LT(signed_distance(plate, {0.503, 0.518, 0.005}), -0.002);
+  EXPECT_LT(plate.samples->distances.size(), 1'000'000);
 }
 
 TEST(Mesh, ShiftedIsTheSameElsewhere) {
