@@ -1,9 +1,20 @@
 #include "continuum/solids/body_images.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "continuum/numerical_faults.h"
+
 namespace talus {
+namespace {
+
+constexpr double most_turns = 1e9;   // periods away from the domain
+constexpr double most_shifts = 1e3;  // along an axis
+
+}  // namespace
 
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
@@ -33,6 +44,13 @@ std::vector<Vector3d> meeting_shifts(const Grid& grid, const AlignedBox3d& box, 
       continue;
     }
     const double period = grid.spacing * grid.cells[axis];
+    if (!(std::max(std::abs(ahead), std::abs(behind)) <= most_turns * period) ||
+        ahead - behind > most_shifts * period) {
+      throw NumericalError(fmt::format(
+          "a body between {:.3g} and {:.3g} m along an axis with a period of {:.3g} m is too far away, "
+          "too large or too fast",
+          box.min()[axis], box.max()[axis], period));
+    }
     std::vector<Vector3d> moved;
     for (double turns = std::ceil(behind / period); turns <= ahead / period; ++turns) {
       for (const Vector3d& shift : shifts) moved.emplace_back(shift + turns * period * Vector3d::Unit(axis));

@@ -19,7 +19,8 @@ Eigen::Vector3d nearest_image(const Grid& grid, const Eigen::Vector3d& point, co
 /// that is no longer than a period.
 std::vector<Eigen::Vector3d> middles(std::span<const Body> bodies);
 
-/// The moves by whole periods, m, that let `box` meet `place`; no move at all is one of them where they meet as they are.
+/// The moves by whole periods, m, that let `box` meet `place`; no move at all is one of them where they meet as they are. Throws
+/// NumericalError where they are more than can be told or wanted: no body that was sound gets there.
 std::vector<Eigen::Vector3d> meeting_shifts(const Grid& grid, const Eigen::AlignedBox3d& box,
                                             const Eigen::AlignedBox3d& place);
 /// Those that let it meet the domain, which for this has no ends along axes that are not periodic: there is always one.

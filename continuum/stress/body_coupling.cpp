@@ -118,11 +118,14 @@ BodyRow BodyCoupling::row(int body, const Eigen::Vector3d& arm, const Eigen::Vec
   return row;
 }
 
+// Products of fixed size alone: where Eigen's vector instructions begin in one of fewer rows hangs on where the stack lies, and with
+// it the last bit.
 Field BodyCoupling::speeds(std::span<const Twist> twists) const {
   Field speeds = Field::Zero(inverse_mass_.size());
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const Modes& of = bodies_[b];
-    speeds.segment(of.first, of.count) = (of.to_speeds.topRows(of.count) * vector_of(twists[b])).array();
+    const Vector6 all = of.to_speeds * vector_of(twists[b]);
+    speeds.segment(of.first, of.count) = all.head(of.count).array();
   }
   return speeds;
 }
@@ -130,7 +133,9 @@ Field BodyCoupling::speeds(std::span<const Twist> twists) const {
 std::vector<Twist> BodyCoupling::twists(const Field& speeds) const {
   std::vector<Twist> twists;
   for (const Modes& of : bodies_) {
-    const Vector6 vector = of.to_twist.leftCols(of.count) * speeds.segment(of.first, of.count).matrix();
+    Vector6 all = Vector6::Zero();
+    all.head(of.count) = speeds.segment(of.first, of.count).matrix();
+    const Vector6 vector = of.to_twist * all;
     twists.push_back({vector.head<3>(), vector.tail<3>()});
   }
   return twists;

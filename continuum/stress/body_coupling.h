@@ -81,7 +81,7 @@ class BodyCoupling {
  private:
   struct Modes {
     int first, count;
-    Eigen::Matrix<double, 6, 6> to_twist, to_speeds;  // its first `count` columns, rows
+    Eigen::Matrix<double, 6, 6> to_twist, to_speeds;  // its first `count` columns, rows; the others are 0
   };
   /// `arm`: from the centre of mass, m.
   BodyRow row(int body, const Eigen::Vector3d& arm, const Eigen::Vector3d& direction) const;

@@ -46,6 +46,12 @@ TEST(BodyImages, MovesThatMakeBoxesMeet) {
   EXPECT_EQ(shifts_into_domain(grid, {Vector3d(1.2, 0.7, 5.0), Vector3d(1.4, 0.9, 5.1)}).size(), 4U);
 }
 
+TEST(BodyImages, PlacesOutOfAllBoundsAreRefused) {
+  EXPECT_THROW(shifts_into_domain(grid, {Vector3d(1e18, 0, 0), Vector3d(1e18, 1, 1)}), NumericalError);
+  EXPECT_THROW(shifts_into_domain(grid, {Vector3d(-1e7, 0, 0), Vector3d(1e7, 1, 1)}), NumericalError);
+  EXPECT_EQ(shifts_into_domain(grid, {Vector3d(1e7, 0.1, 0), Vector3d(1e7 + 0.1, 0.2, 1)}).size(), 1U);
+}
+
 /// A body like no mirror image of itself.
 Body peg(const Vector3d& at) {
   return make_body("peg", {Capsule{at, at + Vector3d(0.2, 0.15, 0.1), 0.13}}, 2000.0);
