@@ -60,7 +60,7 @@ TEST_P(EachKind, RunsAndIsMeasured) {
   EXPECT_GT(value, kind.low);
   EXPECT_LT(value, kind.high);
   EXPECT_EQ(record.at("code"), code);
-  EXPECT_GT(record.at("cpu_s").get<double>(), 0.3);
+  EXPECT_GT(record.at("cpu_s").get<double>(), 0.01);
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "snapshots.h5"));
 }
 
