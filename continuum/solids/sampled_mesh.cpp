@@ -6,7 +6,7 @@ namespace talus {
 namespace {
 
 constexpr double margin = 4.0;  // spacings
-constexpr double most_nodes = 1e6;
+constexpr double most_nodes = 4e5;
 
 Eigen::Array3d nodes_of(const Eigen::AlignedBox3d& box, double spacing) {
   return (box.sizes() / spacing).array().ceil() + 2.0 * margin + 1.0;
@@ -14,9 +14,9 @@ Eigen::Array3d nodes_of(const Eigen::AlignedBox3d& box, double spacing) {
 
 /// Two nodes lie within the thinnest part, as far as that can be paid for.
 double spacing_of(const Eigen::AlignedBox3d& box, double thinnest, int intervals) {
-  constexpr double coarser = 1.05;
+  constexpr double coarser = 1.05, finest = 0.02;  // of the usual one
   const double usual = box.sizes().maxCoeff() / intervals;
-  double spacing = std::min(usual, 0.5 * thinnest);
+  double spacing = std::clamp(0.5 * thinnest, finest * usual, usual);
   while (spacing < usual && nodes_of(box, spacing).prod() > most_nodes) spacing *= coarser;
   return std::min(spacing, usual);
 }

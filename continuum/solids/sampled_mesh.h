@@ -33,7 +33,7 @@ struct SampledMesh {
 };
 
 /// The lattice reaches 4 s beyond the mesh, and s is 1/`intervals` of its longest side, or half of its thinnest_part where that is
-/// less, as far as a million nodes go. It costs some 20 us a node (mesh.h): 2 s
+/// less, as far as 400 000 nodes go. It costs some 20 us a node (mesh.h): 2 s
 /// for a mesh of 20 000 triangles that is as long as wide and high.
 inline constexpr int default_sampling_intervals = 40;
 SampledMesh sample_distances(const Mesh& mesh, int intervals = default_sampling_intervals);
