@@ -124,24 +124,30 @@ void for_each_sample(Function&& f) {
   });
 }
 
+constexpr double sample_width(const Grid& grid) { return grid.spacing / samples_per_axis; }
+
+/// Whether all of a cell is open, by its corners.
+bool is_clear(const Grid& grid, const std::array<double, 8>& corners) {
+  return *std::min_element(corners.begin(), corners.end()) >= 0.5 * sample_width(grid);
+}
+
 /// Calls f(number of the sample, how much of its own width is open) for the samples of a cell that are open at all.
 template <class Function>
 void for_each_open_sample(const Grid& grid, const Openings& openings, const Vector3i& cell, Function&& f) {
-  const double sample_width = grid.spacing / samples_per_axis;
+  const double width = sample_width(grid);
   const auto corners = corner_distances(grid, openings, cell);
-  const auto [lowest, highest] = std::minmax_element(corners.begin(), corners.end());
-  if (*highest <= -0.5 * sample_width) return;
-  const bool clear = *lowest >= 0.5 * sample_width;
+  if (*std::max_element(corners.begin(), corners.end()) <= -0.5 * width) return;
+  const bool clear = is_clear(grid, corners);
   std::size_t sample = 0;
   for_each_sample([&](const Vector3d& local) {
     const std::size_t number = sample++;
     if (clear) return f(number, sample_share);
     const double distance = interpolated(corners, local);
     double open = distance > 0.0 ? 1.0 : 0.0;
-    if (std::abs(distance) < 0.5 * sample_width) {
+    if (std::abs(distance) < 0.5 * width) {
       // Where walls meet the interpolant is no distance, but falls off faster than one; its slope tells how much.
       const double slope = interpolated_gradient(corners, local, grid.spacing).norm();
-      open = std::clamp(0.5 + distance / (sample_width * std::clamp(slope, smallest_opening, 1.0)), 0.0, 1.0);
+      open = std::clamp(0.5 + distance / (width * std::clamp(slope, smallest_opening, 1.0)), 0.0, 1.0);
     }
     if (open > 0.0) f(number, open * sample_share);
   });
@@ -215,19 +221,29 @@ std::vector<SampleKernel> make_sample_kernels() {
   return kernels;
 }
 
+void add_sample(const SampleKernel& sample, double share, LocalWeights& sum) {
+  for (std::size_t k = 0; k < 8; ++k)
+    sum.cells[static_cast<std::size_t>(sample.cells[k])] += share * sample.cell_weights[k];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::size_t k = 0; k < 8; ++k)
+      sum.faces[axis][static_cast<std::size_t>(sample.faces[axis][k])] +=
+          share * sample.face_weights[axis][k];
+  }
+}
+
+LocalWeights weights_of_clear_cell(const std::vector<SampleKernel>& samples) {
+  LocalWeights sum;
+  for (const SampleKernel& sample : samples) add_sample(sample, sample_share, sum);
+  return sum;
+}
+
 LocalWeights sampled_weights(const Grid& grid, const Openings& openings, const Vector3i& at) {
   static const std::vector<SampleKernel> samples = make_sample_kernels();
+  static const LocalWeights clear = weights_of_clear_cell(samples);  // most cells around a solid are
+  if (is_clear(grid, corner_distances(grid, openings, at))) return clear;
   LocalWeights sum;
-  for_each_open_sample(grid, openings, at, [&](std::size_t number, double share) {
-    const SampleKernel& sample = samples[number];
-    for (std::size_t k = 0; k < 8; ++k)
-      sum.cells[static_cast<std::size_t>(sample.cells[k])] += share * sample.cell_weights[k];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (std::size_t k = 0; k < 8; ++k)
-        sum.faces[axis][static_cast<std::size_t>(sample.faces[axis][k])] +=
-            share * sample.face_weights[axis][k];
-    }
-  });
+  for_each_open_sample(grid, openings, at,
+                       [&](std::size_t number, double share) { add_sample(samples[number], share, sum); });
   return sum;
 }
 
