@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <stdexcept>
 #include <type_traits>
@@ -58,6 +59,9 @@ struct ChildRefused : std::runtime_error {
 struct ChildDied : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+/// Seconds of processor time that reading a file may take: far more than it does.
+double reading_patience(const std::filesystem::path& file);
 
 /// Runs `give` in a copy of this process, within so many seconds of processor time, and `take` here, on what it puts into its sink. Throws
 /// ChildRefused, ChildDied, what `take` throws, std::system_error where no process can be made.

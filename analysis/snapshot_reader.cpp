@@ -103,12 +103,6 @@ SnapshotSeries take_all(const std::filesystem::path& path, const Source& source)
   return series;
 }
 
-/// Processor time that reading may take: far more than it does.
-double patience(const std::filesystem::path& path) {
-  constexpr double least = 3.0, seconds_per_byte = 1e-6;
-  return least + seconds_per_byte * static_cast<double>(std::filesystem::file_size(path));
-}
-
 }  // namespace
 
 SnapshotSeries read_snapshots(const std::filesystem::path& path) {
@@ -119,7 +113,7 @@ SnapshotSeries read_snapshots(const std::filesystem::path& path) {
     // HDF5 1.10 hangs over some damaged files and overwrites memory over others (tests/fuzz/README.md).
     translating_errors(path, reading_failed, [&] {
       read_in_child([&](const Sink& sink) { give_all(path, sink); },
-                    [&](const Source& source) { series = take_all(path, source); }, patience(path));
+                    [&](const Source& source) { series = take_all(path, source); }, reading_patience(path));
     });
   } catch (const ChildRefused& refused) {
     throw SnapshotError(refused.what());

@@ -14,11 +14,12 @@ namespace talus {
 namespace {
 
 /// As large as the limits allow, and an equal share of what is left to `dt_limit`, so that no sliver remains.
-double time_step(const State& state, const StepSettings& settings, double dt_limit) {
+/// Particles go with the grid's velocity: what one of them keeps for itself, in sand that has come to rest, shortens nothing.
+double time_step(const State& state, const StepSettings& settings, const GridState& before, double dt_limit) {
   const double h = state.grid.spacing, g = state.gravity.norm();
   double dt = dt_limit;
   if (g > 0.0) dt = std::min(dt, settings.gravity_courant * std::sqrt(h / g));
-  const double fastest = std::max(state.particles.velocities.cwiseAbs().maxCoeff(),
+  const double fastest = std::max(before.velocity.abs().maxCoeff(),
                                   fastest_surface(state.grid, state.bodies, twists_of(state.bodies), dt)) +
                          g * dt;
   if (fastest > 0.0) dt = std::min(dt, settings.courant * h / fastest);
@@ -372,7 +373,7 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   require_sound(state.bodies, state.time);
   if (state.warm) require_finite(state.warm->region, state.warm->stress, state.time);
   dt_limit = std::min(dt_limit, next_event(state) - state.time);
-  report.dt = state.particles.count() > 0 ? time_step(state, settings, dt_limit) : dt_limit;
+  report.dt = dt_limit;
   report.seconds[Phase::other] += watch.lap();
   track_render_points(state, watch, report);
   if (state.particles.count() == 0) return empty_step(state, watch, report);
@@ -385,6 +386,7 @@ StepReport step(State& state, const StepSettings& settings, double dt_limit) {
   sort_by_cell(now.points, state.particles);
   const Eigen::ArrayXd friction = friction_of_particles(state, now.points);
   const GridState before = deposit(now.region, now.points, state.particles, state.materials, friction);
+  report.dt = time_step(state, settings, before, dt_limit);
   report.seconds[Phase::deposit] += watch.lap();
 
   // 3, 4. Gravity, then friction and pressure by staggered projections, give the intermediate velocity; once more with

@@ -65,7 +65,7 @@ struct StepSettings {
   Scheme scheme = Scheme::consistent;
   ProjectionSettings projection;
   double packing_tolerance = 0.005;  // fill above 1 that the density correction leaves alone
-  double courant = 0.4;              // cells a particle is expected to move in a step, by its velocity before
+  double courant = 0.4;  // cells a particle is expected to move in a step, by the grid's velocity before
   double gravity_courant = 0.25;  // dt <= this * sqrt(h / g)                         (method.md, section 8)
   Transfer transfer = Transfer::flip;
   double pic_share = 0.02;  // with FLIP: of a step of 0.25 sqrt(h / g); scales with dt

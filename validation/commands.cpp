@@ -55,9 +55,10 @@ void write_page(const json& results, const Arguments& arguments) {
 json judged_results(const std::filesystem::path& folder, const Arguments& arguments) {
   json results = read_results(folder);
   judge(results, arguments.baseline);
-  results["stale"] = why_stale(results);
-  if (results["stale"] != "") {
-    spdlog::warn("stale: {}; run the suite again", results["stale"].get<std::string>());
+  const std::string stale = why_stale(results);
+  results["stale"] = stale;
+  if (!stale.empty()) {
+    spdlog::warn("stale: {}; run the suite again", stale);
     for (json* verdict : {&results["verdict"], &results["drift"]["verdict"]})
       *verdict = verdict_text(worse(verdict_of(*verdict), Verdict::inconclusive));
   }

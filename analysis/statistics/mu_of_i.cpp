@@ -58,16 +58,19 @@ Eigen::Vector3d start_of(const Columns& columns) {
   const double least = (inertial_number > 0.0).select(inertial_number, inertial_number.maxCoeff()).minCoeff();
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
   double best_residual = std::numeric_limits<double>::infinity();
-  for (double I_0 = 0.1 * least; I_0 < 20.0 * inertial_number.maxCoeff(); I_0 *= 1.5) {
+  double I_0 = 0.1 * least;
+  while (I_0 < 20.0 * inertial_number.maxCoeff()) {
     Eigen::MatrixX2d left(rows, 2);
     const Eigen::ArrayXd gone = inertial_number / (inertial_number + I_0);
     left.col(0) = (1.0 - gone) * weight;
     left.col(1) = gone * weight;
     const Eigen::Vector2d mu = left.colPivHouseholderQr().solve(right);
     const double residual = (left * mu - right).squaredNorm();
-    if (residual >= best_residual) continue;
-    best_residual = residual;
-    best << mu, std::log(I_0);
+    if (residual < best_residual) {
+      best_residual = residual;
+      best << mu, std::log(I_0);
+    }
+    I_0 *= 1.5;
   }
   return best;
 }

@@ -354,11 +354,13 @@ Openings open_space(const Grid& grid) {
 
 /// The cells that a box in space touches, and so many layers around them.
 CellBox cells_around(const Grid& grid, const Eigen::AlignedBox3d& box, int layers) {
-  const Vector3i lower = grid.cell_at(box.min()), upper = grid.cell_at(box.max());
-  CellBox cells = CellBox{lower, upper.array() + 1}.grown(layers);
-  cells.lower = cells.lower.cwiseMax(0).cwiseMin(grid.cells);
-  cells.upper = cells.upper.cwiseMin(grid.cells).cwiseMax(cells.lower);
-  return cells;
+  // Cut to the grid before they are whole numbers: a body may be further away than an int counts.
+  const auto cell_at = [&](const Eigen::Vector3d& position, double beyond) -> Vector3i {
+    const Eigen::Array3d cell = ((position - grid.origin) / grid.spacing).array().floor() + beyond;
+    return cell.max(0.0).min(grid.cells.cast<double>().array()).cast<int>();
+  };
+  const Vector3i lower = cell_at(box.min(), -layers), upper = cell_at(box.max(), 1 + layers);
+  return {lower, upper.cwiseMax(lower)};
 }
 
 }  // namespace

@@ -142,7 +142,7 @@ void deposit_shares(const ActiveRegion& region, const PointsByCell& points, cons
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<Eigen::Index>(axis);
       const double momentum = particles.masses[p] * particles.velocities(a, p);
-      const FaceShare moving = still + momentum * unit_momentum;
+      FaceShare moving = still + momentum * unit_momentum;
       if constexpr (affine) {
         const auto rate = [&](std::size_t along) {  // of momentum, per cell
           return region.grid.spacing * particles.masses[p] *

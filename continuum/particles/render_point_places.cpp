@@ -83,7 +83,7 @@ Vector3d Parent::sample(Draws draws) const {
   double scale = 1.0;
   for (int draw = 0; draw < most_draws; ++draw) {
     if (draw >= whole_draws) scale *= 0.75;
-    const Vector3d offset = scale * map * draws.in_ball();
+    Vector3d offset = scale * map * draws.in_ball();
     if (!near_wall_) return offset;
     Vector3d position = centre_ + offset;
     if (!put_on_sides(around_, position) &&

@@ -22,7 +22,7 @@ class Draws {
       const auto symmetric = [&](int shift) {  // one of 2^21 numbers in (-1, 1)
         return (static_cast<double>(drawn >> shift & 0x1fffff) + 0.5) * 0x1.0p-20 - 1.0;
       };
-      const Eigen::Vector3d place(symmetric(0), symmetric(21), symmetric(42));
+      Eigen::Vector3d place(symmetric(0), symmetric(21), symmetric(42));
       if (place.squaredNorm() <= 1.0) return place;
     }
   }

@@ -61,8 +61,9 @@ EmissionReport emit(std::span<const Material> materials, double time, std::vecto
     const double volume =
         source.fill * outline_area(source) * source.spacing / static_cast<double>(layer.size());
     const double mass = materials[static_cast<std::size_t>(source.material)].max_density() * volume;
-    for (double passed = source.next_layer_time(); passed <= time; passed = source.next_layer_time()) {
-      const double since = time - passed + 0.5 * layer_interval(source);  // its middle passed the inlet
+    while (source.next_layer_time() <= time) {
+      const double since =
+          time - source.next_layer_time() + 0.5 * layer_interval(source);  // its middle passed the inlet
       Eigen::Index p = particles.count();
       particles.resize(p + static_cast<Eigen::Index>(layer.size()));
       for (const Eigen::Vector3d& at : layer) {

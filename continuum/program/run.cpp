@@ -85,7 +85,7 @@ void save(Running& run, RunFiles& files) {
 
 /// Lays down the state from which the step that failed can be tried again.
 Path keep_fault(const Running& run, Checkpoint before) {
-  const Path folder = run.output / "fault";
+  Path folder = run.output / "fault";
   make_writable_folder(folder);
   write_file_atomically(folder / "run.toml", read_file(run.output / "run.toml"));
   before.progress.parts = 0;  // nothing of what has been written belongs to it

@@ -50,7 +50,7 @@ class AppendedArrays {
   template <class Value>
   std::string add(const char* type, const char* name, int components, const Value* values,
                   std::size_t count) {
-    const std::string tag = fmt::format(
+    std::string tag = fmt::format(
         "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
         type, name, components, numbers_.size());
     const std::uint64_t bytes = count * sizeof(Value);

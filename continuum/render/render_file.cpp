@@ -107,14 +107,13 @@ std::vector<Value> take_list(const Source& source) {
 /// give(sink, the open file) in a child process: HDF5 1.10 hangs over some damaged files and overwrites memory over others.
 template <class Give, class Take>
 void read_apart(const std::filesystem::path& file, const Give& give, const Take& take) {
-  constexpr double least = 3.0, seconds_per_byte = 1e-6;
-  const double patience = least + seconds_per_byte * static_cast<double>(std::filesystem::file_size(file));
   try {
     analysis::read_in_child(
         [&](const Sink& sink) {
           reading(file, [&] { give(sink, H5::H5File(file.string(), H5F_ACC_RDONLY)); });
         },
-        [&](const Source& source) { reading(file, [&] { take(source); }); }, patience);
+        [&](const Source& source) { reading(file, [&] { take(source); }); },
+        analysis::reading_patience(file));
   } catch (const analysis::ChildRefused& refused) {
     throw InputError(refused.what());
   } catch (const analysis::ChildDied&) {

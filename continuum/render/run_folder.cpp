@@ -20,7 +20,7 @@ std::filesystem::path scene_file_of(const std::filesystem::path& folder) {
   const auto summary = folder / "run.json";
   try {
     const auto run = nlohmann::json::parse(read_file(summary));
-    const std::filesystem::path file = run.at("scene_file").get<std::string>();
+    std::filesystem::path file = run.at("scene_file").get<std::string>();
     const std::string hash = run.at("provenance").at("input_hash");
     if (std::filesystem::is_regular_file(file) && sha256(read_file(file)) == hash) return file;
   } catch (const nlohmann::json::exception& error) {

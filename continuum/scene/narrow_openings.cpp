@@ -124,12 +124,15 @@ std::vector<int> saddles(const Corners& corners, const std::vector<double>& dist
   return found;
 }
 
+/// The way to the n-th of the 27 cells around one and itself, which is the 13th.
+Vector3d neighbour(int n) { return (Eigen::Array3i(n % 3, n / 3 % 3, n / 9) - 1).cast<double>(); }
+
 /// The way to the nearest wall, of unit length: by the gradient beside the place, for in the middle between two walls there is none.
 Vector3d towards_wall(const Confinement& distance, const Vector3d& at, double spacing) {
   Vector3d best = Vector3d::UnitX();
   double least = never;
   for (int n = 0; n < 27; ++n) {
-    const Vector3d way(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+    const Vector3d way = neighbour(n);
     if (way.isZero()) continue;
     const double there = distance(at + 0.25 * spacing * way.normalized());
     if (there < least) {
@@ -173,7 +176,7 @@ NarrowOpening opening_at(const Confinement& distance, const Vector3d& at, double
   NarrowOpening opening = chord(distance, at, towards_wall(distance, at, spacing), longest, spacing);
   if (opening.width < longest) return opening;
   for (int n = 0; n < 13; ++n) {
-    const Vector3d way = Vector3d(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).normalized();
+    const Vector3d way = neighbour(n).normalized();
     const NarrowOpening other = chord(distance, at, way, longest, spacing);
     if (other.width < opening.width) opening = other;
   }

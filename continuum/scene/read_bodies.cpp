@@ -21,7 +21,7 @@ constexpr double least_thickness_given = 0.25;  // cells; thinner ones would be 
 constexpr double overlap_allowed = 0.01;        // of an inradius: files have few digits
 
 std::string read_name(const CheckedTable& table, const std::vector<Body>& bodies) {
-  const std::string name = table.string("name");
+  std::string name = table.string("name");
   const bool plain = !name.empty() && name.size() <= longest_name &&
                      std::all_of(name.begin(), name.end(),
                                  [](unsigned char c) { return std::isalnum(c) || c == '-' || c == '_'; });
@@ -78,8 +78,8 @@ Twist read_twist(const CheckedTable& table, const BodyMotion& motion) {
     throw table.error("velocity_m_s", "follows from the hinge; give angular_velocity_rad_s");
   if (table.has("angular_velocity_rad_s") && prescribed)
     throw table.error("angular_velocity_rad_s", "is prescribed in motion; remove this");
-  const Twist twist{vector_or_zero(table, "velocity_m_s", velocity_range),
-                    vector_or_zero(table, "angular_velocity_rad_s", rotation_range)};
+  Twist twist{vector_or_zero(table, "velocity_m_s", velocity_range),
+              vector_or_zero(table, "angular_velocity_rad_s", rotation_range)};
   const Eigen::Vector3d& turning = twist.angular_velocity;
   if (hinge && hinge->axis.cross(turning).norm() > 1e-9 * turning.norm())
     throw table.error("angular_velocity_rad_s", "must be along the axis of the hinge");
@@ -98,7 +98,7 @@ bool fits(const Grid& grid, const Eigen::AlignedBox3d& box) {
 }
 
 Shape read_body_shape(const CheckedTable& table, const Grid& grid) {
-  const Shape shape = read_shape(table.table("shape"));
+  Shape shape = read_shape(table.table("shape"));
   if (const auto fault = body_fault(shape)) throw table.error("shape", *fault);
   if (!fits(grid, bounds(shape))) {
     throw table.error(

@@ -52,7 +52,8 @@ std::vector<Vector3d> meeting_shifts(const Grid& grid, const AlignedBox3d& box, 
           box.min()[axis], box.max()[axis], period));
     }
     std::vector<Vector3d> moved;
-    for (double turns = std::ceil(behind / period); turns <= ahead / period; ++turns) {
+    const int last = static_cast<int>(std::floor(ahead / period));
+    for (int turns = static_cast<int>(std::ceil(behind / period)); turns <= last; ++turns) {
       for (const Vector3d& shift : shifts) moved.emplace_back(shift + turns * period * Vector3d::Unit(axis));
     }
     shifts = std::move(moved);

@@ -14,7 +14,7 @@ class FrictionSolver {
   explicit FrictionSolver(double lipschitz) : lipschitz_(lipschitz) {}
   FrictionSolver(const FrictionSolver& other) : lipschitz_(other.lipschitz_) {}
   FrictionSolver& operator=(const FrictionSolver& other) {
-    lipschitz_ = other.lipschitz_;
+    if (this != &other) lipschitz_ = other.lipschitz_;
     return *this;
   }
   FrictionSolver(FrictionSolver&&) = default;

@@ -106,7 +106,8 @@ class Solve {
 
   /// Gauss-Seidel takes out what is local at a fraction of an iteration's price.
   Residual sweep_while_it_helps(Residual residual, double tolerance) {
-    for (double before = residual.largest; before > tolerance; before = residual.largest) {
+    while (residual.largest > tolerance) {
+      const double before = residual.largest;
       relax_nonnegative(cells_, laplacian_, work_.linear, work_.x);
       find_gradient();
       residual = advance();

@@ -61,7 +61,7 @@ struct ContactComponent {
 struct Variables {
   Field lower, upper, curvature;
 
-  Variables(Field low, Field high, const Field& sum)
+  Variables(const Field& low, const Field& high, const Field& sum)
       : lower((sum > 0.0).select(low, 0.0)),
         upper((sum > 0.0).select(high, 0.0)),
         curvature((sum > 0.0).select(sum, 1.0)) {}

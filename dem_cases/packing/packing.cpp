@@ -144,9 +144,9 @@ class Lattice {
 
  private:
   Eigen::Vector3d centre(long index) const {
-    const long row = index / across_;
+    const long row = index / across_, layer = row / along_;
     const Eigen::Vector3d cell(static_cast<double>(row % along_), static_cast<double>(index % across_),
-                               static_cast<double>(row / along_));
+                               static_cast<double>(layer));
     return lower_ + ((cell.array() + 0.5) * pitch_.array()).matrix();
   }
 

@@ -80,7 +80,7 @@ std::string beverloo_row(const std::filesystem::path& reference, const std::vect
     fitted.push_back({std::get<SlotGeometry>(point.geometry).opening, statistics.mean,
                       statistics.standard_deviation / std::sqrt(static_cast<double>(statistics.count))});
   }
-  if (fitted.size() < 3)
+  if (!last || fitted.size() < 3)
     return fmt::format("| {} | {} of 3 openings stored | | | |\n", material, fitted.size());
   const analysis::Orifice orifice{.grain_diameter = last->grains.diameter,
                                   .bulk_density = last->protocol.volume_fraction * last->grains.density,

@@ -20,11 +20,11 @@ std::vector<std::string> words_of(std::string_view line) {
 
 double number_of(const std::string& word, const std::string& where) {
   std::size_t used = 0;
-  double value = std::nan("");
+  double value;
   try {
     value = std::stod(word, &used);
   } catch (const std::exception&) {
-    used = 0;
+    value = std::nan("");
   }
   if (used != word.size() || !std::isfinite(value))
     throw InputError(fmt::format("{}: '{}' is not a finite number", where, word));

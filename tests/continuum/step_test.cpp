@@ -86,6 +86,22 @@ State shimmering_block() {
   return state;
 }
 
+TEST(TimeStep, IsShortForSandThatGoesAndNotForWhatParticlesKeepForThemselves) {
+  constexpr double speed = 1.0;  // m/s
+  const StepSettings settings;
+  State state = shimmering_block();
+  state.particles.velocities.row(0) *= speed / 1e-3;
+  const double longest = settings.gravity_courant * std::sqrt(h / gravity);
+  ASSERT_LT(settings.courant * h / speed, 0.6 * longest);
+  EXPECT_NEAR(step(state, settings, longest).dt, longest, 1e-9 * longest);
+
+  State flying = shimmering_block();
+  flying.particles.velocities.row(0).setConstant(speed);
+  const double dt = step(flying, settings, longest).dt;
+  EXPECT_LE(dt, settings.courant * h / speed);
+  EXPECT_GE(dt, 0.3 * settings.courant * h / speed);
+}
+
 TEST(TimeStep, HalfAsLongTakesTwiceAsManyStepsAndDampsNoMore) {
   double left[2];
   int steps[2] = {0, 0};

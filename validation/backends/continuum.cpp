@@ -23,9 +23,9 @@ constexpr const char* log_name = "talus.out";
 
 /// The program that was built beside this one.
 std::filesystem::path talus_program() {
-  const auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "talus";
+  auto program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "talus";
   if (std::filesystem::exists(program)) return program;
-  const auto beside = program.parent_path().parent_path() / "bin" / "talus";
+  auto beside = program.parent_path().parent_path() / "bin" / "talus";
   if (std::filesystem::exists(beside)) return beside;
   throw InputError(
       fmt::format("{}: the continuum solver is not there; build the target 'talus'", program.string()));
