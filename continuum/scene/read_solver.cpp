@@ -16,6 +16,7 @@ void read_projection(const CheckedTable& solver, ProjectionSettings& p) {
   p.iterations = static_cast<int>(solver.integer("iterations", 1, 100, p.iterations));
   p.cold_iterations = static_cast<int>(solver.integer("cold_iterations", 1, 100, p.cold_iterations));
   p.tolerance = solver.number("tolerance", {1e-12, 1.0}, p.tolerance);
+  p.relative_tolerance = solver.number("relative_tolerance", {0.0, 1.0}, p.relative_tolerance);
   p.max_pressure_iterations =
       static_cast<int>(solver.integer("max_pressure_iterations", 1, 1'000'000, p.max_pressure_iterations));
   p.max_friction_iterations =

@@ -28,6 +28,8 @@ Field inverse_face_mass(const ActiveRegion& region, const GridState& state) {
   return inverse;
 }
 
+double square(double value) { return value * value; }
+
 /// The impulse each wall face absorbs in its half cell, which the pressure never sees; and the one-sided wall
 /// velocity: grains may leave a wall, not enter it.
 Eigen::ArrayXd stop_at_walls(const ActiveRegion& region, const GridState& state, Field& velocity) {
@@ -76,7 +78,7 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
   friction.clear_idle(stress.copies);
   BallBlocks balls = friction.blocks(inverse_mass, bodies);
   solver.prepare(region, inverse_mass, bodies);
-  const ConeProjectionSettings cone{tolerance * tolerance * mass.sum(), settings.max_friction_iterations};
+  ConeProjectionSettings cone{0.0, settings.max_friction_iterations};
   const BoundQpSettings bound{tolerance, settings.max_pressure_iterations};
 
   PressureSolver pressure(region, inverse_mass, bodies);
@@ -89,6 +91,9 @@ ProjectionReport project(const ActiveRegion& region, const GridState& state, dou
   for (int n = 0; n < (cold ? settings.cold_iterations : settings.iterations); ++n) {
     impulse.setZero();
     add_gradient(region, stress.pressure, -1.0, impulse);
+    cone.gap_tolerance =
+        std::max(square(tolerance) * mass.sum(),
+                 square(settings.relative_tolerance) * (impulse.square() * inverse_mass).sum());
     without_friction = free_velocity + inverse_mass * impulse;
     speeds_without_friction = free_speeds;
     bodies.add_pressure(stress.pressure, -1.0, speeds_without_friction);

@@ -33,6 +33,8 @@ struct ProjectionSettings {
   int iterations = 2;       // N, of a warm step
   int cold_iterations = 6;  // of the first step, and after a gate opened
   double tolerance = 0.01;  // of both solves, in units of g dt
+  // Of friction alone, in units of what pressure changes velocities by (rms, by mass), where that is more: after an explosion.
+  double relative_tolerance = 1e-3;
   int max_pressure_iterations = 2000;
   int max_friction_iterations = 2000;
   bool pressure_pulls = false;  // a deliberate defect, for the mutation check of the harness only

@@ -102,6 +102,18 @@ TEST(TimeStep, IsShortForSandThatGoesAndNotForWhatParticlesKeepForThemselves) {
   EXPECT_GE(dt, 0.3 * settings.courant * h / speed);
 }
 
+TEST(RelativeTolerance, ChangesNothingWhereSandIsNotThrown) {
+  std::vector<Eigen::Matrix3Xd> after;
+  for (const double relative : {0.0, ProjectionSettings{}.relative_tolerance}) {
+    State state = initial_state(shaft(0.01));
+    StepSettings settings;
+    settings.projection.relative_tolerance = relative;
+    testing::run_for(state, settings, 0.1, [](const State&, const StepReport&) {});
+    after.push_back(state.particles.positions);
+  }
+  EXPECT_EQ(after[0], after[1]);
+}
+
 TEST(TimeStep, HalfAsLongTakesTwiceAsManyStepsAndDampsNoMore) {
   double left[2];
   int steps[2] = {0, 0};

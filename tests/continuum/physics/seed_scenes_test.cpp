@@ -81,6 +81,7 @@ TEST(SeedScenes, ExplosionDispersesSandAndThrowsBodies) {
     EXPECT_GT(highest[b] - at_rest[b], 0.02) << state.bodies[b].name;
   }
   EXPECT_GT(most, 2.0 * before);
+  EXPECT_EQ(caps, 0);  // 4, to 0.01 g dt alone
 }
 
 /// Rates (kg/s) at which sand leaves the upper bulb while it holds from 75 to 60 % of its mass, and from 45 to 30 %.

@@ -75,6 +75,15 @@ TEST(Scene, CourantFactorScalesBothLimitsOfTheTimeStep) {
   expect_error(good_scene + "[solver]\ncourant_factor = 1.5\n", "between 0.001 and 1");
 }
 
+TEST(Scene, SolverHasTwoTolerances) {
+  const ProjectionSettings given =
+      read(good_scene + "[solver]\ntolerance = 0.02\nrelative_tolerance = 0.003\n").settings.projection;
+  EXPECT_EQ(given.tolerance, 0.02);
+  EXPECT_EQ(given.relative_tolerance, 0.003);
+  EXPECT_EQ(read(good_scene).settings.projection.relative_tolerance, ProjectionSettings{}.relative_tolerance);
+  expect_error(good_scene + "[solver]\nrelative_tolerance = 2.0\n", "between 0 and 1");
+}
+
 TEST(Scene, IsBrokenOnPurposeWhereItSaysSo) {
   const Scene sound = read(good_scene + "[solver]\niterations = 2\n"),
               pulls = read(good_scene + "[solver]\nbroken = \"pressure_pulls\"\n"),
