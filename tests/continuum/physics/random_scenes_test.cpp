@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "continuum/files/input_error.h"
 #include "continuum/io/budget.h"
 #include "tests/continuum/scenes.h"
 
@@ -84,9 +85,9 @@ void add_bodies(Dice& dice, Scene& scene) {
   for (int b = 0, count = dice.whole(0, 2); b < count; ++b) {
     const double size = dice.between(0.008, 0.014);
     const Eigen::Vector3d centre(0.03 + 0.05 * b, 0.03, dice.between(0.1, 0.12));
-    Body body =
-        make_body(fmt::format("body {}", b), random_shape(dice, centre.array() - size, centre.array() + size),
-                  dice.between(200.0, 8000.0), Free{}, {dice.place({-1, -1, -1}, {1, 1, 0}), {}});
+    Body body = make_body(
+        fmt::format("body {}", b), random_shape(dice, centre.array() - size, centre.array() + size),
+        dice.between(200.0, 8000.0), Free{}, {dice.place({-1, -1, -1}, {1, 1, 0}), Eigen::Vector3d::Zero()});
     body.friction = dice.between(0.0, 0.8);
     scene.bodies.push_back(body);
   }
@@ -128,12 +129,18 @@ int scene_count() {
 }
 
 TEST(RandomScenes, RunToTheirEndWithTheirBooksClosed) {
-  int with_bodies = 0, with_sources = 0, with_gates = 0;
+  int with_bodies = 0, with_sources = 0, with_gates = 0, refused = 0;
   long cap_hits = 0, stagnations = 0, steps = 0;
   for (unsigned seed = 1; seed <= static_cast<unsigned>(scene_count()); ++seed) {
     SCOPED_TRACE(fmt::format("scene {}", seed));
     const Scene scene = random_scene(seed);
-    State state = initial_state(scene);
+    State state;
+    try {
+      state = initial_state(scene);
+    } catch (const InputError&) {  // a body may have taken all the place that there was for a shape of sand
+      ++refused;
+      continue;
+    }
     Budget budget(state);
     try {
       testing::run_for(state, scene.settings, 0.1, [&](const State& now, const StepReport& report) {
@@ -160,9 +167,10 @@ TEST(RandomScenes, RunToTheirEndWithTheirBooksClosed) {
     with_gates += !scene.walls.empty();
   }
   std::printf(
-      "%d scenes (%d with bodies, %d with sources, %d with walls or gates), %ld steps, %ld cap hits, %ld "
-      "stagnations\n",
-      scene_count(), with_bodies, with_sources, with_gates, steps, cap_hits, stagnations);
+      "%d scenes (%d with bodies, %d with sources, %d with walls or gates; %d refused), %ld steps, %ld cap "
+      "hits, %ld stagnations\n",
+      scene_count(), with_bodies, with_sources, with_gates, refused, steps, cap_hits, stagnations);
+  EXPECT_LE(100 * refused, scene_count());
   EXPECT_GT(with_bodies, 0);
   EXPECT_GT(with_sources, 0);
   EXPECT_GT(with_gates, 0);
