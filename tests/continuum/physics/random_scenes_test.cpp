@@ -74,8 +74,8 @@ void add_walls(Dice& dice, Scene& scene) {
   }
   scene.sides[2][0] = {true, dice.between(0.0, 0.8)};
   if (!dice.once_in(2)) return;
-  // A gate or a step across the whole width.
-  const double at = dice.between(0.05, 0.08), height = dice.between(0.02, 0.1);
+  // A gate or a step across the whole width, below where bodies start: a file with a body in a wall is refused.
+  const double at = dice.between(0.05, 0.08), height = dice.between(0.02, 0.085);
   Wall wall{Shape{Box{{at, 0.03, 0.5 * height}, {0.012, 0.3, 0.5 * height}}}, dice.between(0.0, 0.8)};
   if (dice.once_in(2)) wall.opens_at = dice.between(0.005, 0.03);
   scene.walls.push_back(wall);
