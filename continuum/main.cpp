@@ -182,7 +182,7 @@ int main(int argc, char** argv) {
   ResumeOptions resume_options;
   BenchOptions bench_options;
   run_options.command_line = resume_options.command_line = bench_options.command_line =
-      fmt::format("{}", fmt::join(argv, argv + argc, " "));
+      command_line_of(argc, argv);
   int threads = 1;
   auto* run_command = add_run(app, run_options);
   auto* resume_command = add_resume(app, resume_options);

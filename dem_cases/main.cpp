@@ -12,11 +12,11 @@
 #include <thread>
 
 #include "continuum/files/atomic_file.h"
+#include "continuum/files/folder_lock.h"
 #include "continuum/files/input_error.h"
 #include "continuum/files/provenance.h"
 #include "dem_cases/check.h"
 #include "dem_cases/grain_dump.h"
-#include "dem_cases/reference/folder_lock.h"
 #include "dem_cases/reference/make_run.h"
 #include "dem_cases/reference/plan.h"
 #include "dem_cases/reference/store.h"

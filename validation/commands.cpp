@@ -4,12 +4,14 @@
 #include <spdlog/spdlog.h>
 
 #include "continuum/files/atomic_file.h"
+#include "continuum/files/folder_lock.h"
 #include "continuum/files/input_error.h"
-#include "dem_cases/reference/folder_lock.h"
+#include "continuum/files/memory.h"
 #include "validation/deposits.h"
 #include "validation/mutation.h"
 #include "validation/report/other_formats.h"
 #include "validation/report/report.h"
+#include "validation/suites/warnings.h"
 #include "validation/summary.h"
 
 namespace talus::validation {
@@ -31,6 +33,10 @@ void write_json(const std::filesystem::path& file, const json& content) {
 }
 
 Suite wanted_suite(const Arguments& arguments) { return tagged(read_suite(arguments.suite), arguments.tag); }
+
+void warn_of_dangers(const Suite& suite, const std::vector<SuiteRun>& runs) {
+  for (const std::string& warning : suite_warnings(suite, runs, memory_available())) spdlog::warn(warning);
+}
 
 /// Old results must not stand while new runs replace what they were made from.
 void clear_results(const std::filesystem::path& output) {
@@ -85,7 +91,9 @@ int list(const Arguments& arguments) {
   const Suite suite = wanted_suite(arguments);
   json rows = json::array();
   double cost = 0.0;
-  for (const auto& run : plan_runs(suite, arguments.output)) {
+  const auto runs = plan_runs(suite, arguments.output);
+  warn_of_dangers(suite, runs);
+  for (const auto& run : runs) {
     const std::string state = state_of(run);
     if (state != "stored") cost += run.run.expected_cpu;
     rows.push_back({{"name", run.name()},
@@ -108,9 +116,10 @@ int run(const Arguments& arguments) {
   make_writable_folder(arguments.output / "runs");
   const bool whole = arguments.only.empty();
   // Programs that make single runs may share the folder; one that makes results may not.
-  const dem::FolderLock lock(arguments.output / "runs", whole ? dem::Sharing::alone : dem::Sharing::shared);
+  const FolderLock lock(arguments.output / "runs", whole ? Sharing::alone : Sharing::shared);
   if (whole) clear_results(arguments.output);
   spdlog::info("{}", suite.title);
+  warn_of_dangers(suite, runs);
   const int made =
       make_runs(runs, {.workers = arguments.workers, .force = arguments.force, .stop = arguments.stop});
   if (!whole) {
@@ -187,8 +196,9 @@ int mutate(const Arguments& arguments) {
   const Suite suite = read_suite(arguments.suite);
   const auto runs = plan_runs(suite, arguments.output);
   make_writable_folder(arguments.output / "runs");
-  const dem::FolderLock lock(arguments.output / "runs", dem::Sharing::alone);
+  const FolderLock lock(arguments.output / "runs", Sharing::alone);
   clear_results(arguments.output);
+  warn_of_dangers(suite, runs);
   const MakingOptions options{.workers = arguments.workers, .stop = arguments.stop};
   make_runs(runs, options);
   json results = store_results(suite, runs, arguments);

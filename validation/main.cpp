@@ -112,7 +112,7 @@ int main(int argc, char** argv) {
   app.add_option("--reference-runs", arguments.reference_runs,
                  "folder where talus-dem has made the reference's runs, for their pictures")
       ->capture_default_str();
-  arguments.command_line = fmt::format("{}", fmt::join(argv, argv + argc, " "));
+  arguments.command_line = command_line_of(argc, argv);
   arguments.workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   arguments.stop = [] { return interrupted.load(); };
   add_list(app, arguments);

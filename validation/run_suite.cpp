@@ -7,11 +7,11 @@
 #include <map>
 
 #include "continuum/files/atomic_file.h"
+#include "continuum/files/folder_lock.h"
 #include "continuum/files/input_error.h"
 #include "continuum/files/process.h"
 #include "dem_cases/check.h"
 #include "dem_cases/grain_dump.h"
-#include "dem_cases/reference/folder_lock.h"
 #include "dem_cases/reference/make_run.h"
 #include "dem_cases/reference/plan.h"
 #include "dem_cases/reference/store.h"
@@ -104,7 +104,7 @@ std::optional<FoundRecord> find_record(const SuiteRun& run, const std::string& i
 void make(const SuiteRun& run, const std::string& input_hash, const std::function<bool()>& stop) {
   // Another program that was asked for the same run must not take its folder away.
   const auto mine = run.folder.string() + ".lock";
-  const dem::FolderLock lock(mine);
+  const FolderLock lock(mine);
   dem::prepare_run(run.run, partial(run));
   const json record = dem::make_run(run.run, partial(run), input_hash, stop);
   write_file_atomically(partial(run) / record_name, record.dump(1) + "\n");

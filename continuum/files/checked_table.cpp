@@ -104,6 +104,7 @@ CheckedTable::~CheckedTable() = default;
 namespace {
 
 constexpr std::uintmax_t largest_file = 10'000'000;  // bytes; far more than anyone writes
+constexpr int most_key_parts = 32;                   // of a dotted key
 
 /// TOML has no place for them, and whoever hands over a binary file is better told so than what key it begins with.
 void refuse_control_characters(const std::filesystem::path& file, std::string_view text) {
@@ -113,6 +114,45 @@ void refuse_control_characters(const std::filesystem::path& file, std::string_vi
   throw InputError(fmt::format(
       "{}:{}: not valid TOML: holds the control character 0x{:02x}; is it a text file?", file.string(),
       1 + std::count(text.begin(), found, '\n'), static_cast<unsigned char>(*found)));
+}
+
+/// Where a text that begins with quotes goes on behind them, as TOML has it; at the end of its line where they are not closed.
+std::size_t end_of_quotes(std::string_view text) {
+  const char quote = text[0];
+  const std::string three(3, quote);
+  const bool many_lines = text.starts_with(three);
+  std::size_t at = many_lines ? 3 : 1;
+  for (; at < text.size(); ++at) {
+    if (text[at] == '\\' && quote == '"')
+      ++at;
+    else if (many_lines ? text.substr(at).starts_with(three) : text[at] == quote)
+      return at + (many_lines ? 3 : 1);
+    else if (text[at] == '\n' && !many_lines)
+      break;
+  }
+  return std::min(at, text.size());
+}
+
+/// Each part of a key is a table in the one before: toml++ takes them apart by recursion, and the stack is not that deep.
+void refuse_long_keys(const std::filesystem::path& file, std::string_view text) {
+  int dots = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const char c = text[at];
+    if (c == '"' || c == '\'') {
+      at += end_of_quotes(text.substr(at));
+      continue;
+    }
+    if (c == '#') {
+      at = std::min(text.find('\n', at), text.size());
+      continue;
+    }
+    if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) dots = 0;
+    if (c == '.' && ++dots >= most_key_parts) {
+      throw InputError(fmt::format("{}:{}: not valid here: a key of more than {} parts", file.string(),
+                                   1 + std::ranges::count(text.substr(0, at), '\n'), most_key_parts));
+    }
+    ++at;
+  }
 }
 
 toml::table parse(const std::filesystem::path& file) {
@@ -126,6 +166,7 @@ toml::table parse(const std::filesystem::path& file) {
   }
   const std::string text = read_file(file);
   refuse_control_characters(file, text);
+  refuse_long_keys(file, text);
   try {
     return toml::parse(text, file.string());
   } catch (const toml::parse_error& bad) {
@@ -262,7 +303,9 @@ std::string CheckedTable::string(std::string_view key, std::string_view otherwis
 std::string CheckedTable::choice(std::string_view key, std::span<const std::string_view> allowed) const {
   std::string value = string(key);
   if (std::find(allowed.begin(), allowed.end(), value) == allowed.end()) {
-    throw error(key, fmt::format("must be one of: {}", fmt::join(allowed, ", ")));
+    const auto meant = nearest_name(value, std::set<std::string>(allowed.begin(), allowed.end()));
+    throw error(key, fmt::format("must be one of: {}{}", fmt::join(allowed, ", "),
+                                 meant ? fmt::format("; did you mean '{}'?", *meant) : ""));
   }
   return value;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gsl/gsl_version.h>
 #include <openssl/evp.h>
 #include <sys/utsname.h>
@@ -20,6 +21,12 @@
 
 namespace talus {
 namespace {
+
+#ifdef __clang__
+constexpr std::string_view compiler = "clang++ " __clang_version__;
+#else
+constexpr std::string_view compiler = "g++ " __VERSION__;
+#endif
 
 std::string cpu_name() {
   std::ifstream cpus("/proc/cpuinfo");
@@ -42,7 +49,7 @@ nlohmann::json provenance() {
       {"version", TALUS_VERSION},
       {"git_hash", TALUS_GIT_HASH},
       {"git_dirty", TALUS_GIT_DIRTY},
-      {"compiler", fmt::format("g++ {}", __VERSION__)},
+      {"compiler", compiler},
       {"compiler_flags", TALUS_CXX_FLAGS},
       {"build_type", TALUS_BUILD_TYPE},
       {"libraries",
@@ -51,7 +58,11 @@ nlohmann::json provenance() {
         {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
         {"nlohmann_json", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
                                       NLOHMANN_JSON_VERSION_PATCH)},
-        {"hdf5", TALUS_HDF5_VERSION}}},
+        {"hdf5", TALUS_HDF5_VERSION},
+        {"ode", TALUS_ODE_VERSION},
+        {"cgal", TALUS_CGAL_VERSION},
+        {"tomlplusplus", TALUS_TOMLPLUSPLUS_VERSION},
+        {"openssl", TALUS_OPENSSL_VERSION}}},
       {"host", host_name()},
       {"cpu", cpu_name()},
       {"cores", sysconf(_SC_NPROCESSORS_ONLN)},
@@ -60,8 +71,8 @@ nlohmann::json provenance() {
 }
 
 std::string version_line(std::string_view program) {
-  return fmt::format("{} {} (git {}{}) g++ {} {}", program, TALUS_VERSION, TALUS_GIT_HASH,
-                     TALUS_GIT_DIRTY ? ", dirty" : "", __VERSION__, TALUS_BUILD_TYPE);
+  return fmt::format("{} {} (git {}{}) {} {}", program, TALUS_VERSION, TALUS_GIT_HASH,
+                     TALUS_GIT_DIRTY ? ", dirty" : "", compiler, TALUS_BUILD_TYPE);
 }
 
 std::string version_text(std::string_view program) {
@@ -78,7 +89,16 @@ std::string version_text(std::string_view program) {
 std::string solver_line() {
   const std::string hash =
       sha256(fmt::format("{}\n{}\n", TALUS_SOLVER_SOURCES, TALUS_CXX_FLAGS)).substr(0, 16);
-  return fmt::format("talus {} solver {} g++ {} {}", TALUS_VERSION, hash, __VERSION__, TALUS_BUILD_TYPE);
+  return fmt::format("talus {} solver {} {} {}", TALUS_VERSION, hash, compiler, TALUS_BUILD_TYPE);
+}
+
+std::string command_line_of(int argc, char** argv) {
+  return utf8(fmt::format("{}", fmt::join(argv, argv + argc, " ")));
+}
+
+std::string utf8(std::string_view text) {
+  using nlohmann::json;
+  return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
 }
 
 std::string sha256(std::string_view content) {

@@ -21,6 +21,12 @@ std::string version_text(std::string_view program);
 /// text need not be made again. The hash is over the solver's sources and the compiler's flags.
 std::string solver_line();
 
+/// What a program was called with, as text that JSON can hold (utf8).
+std::string command_line_of(int argc, char** argv);
+
+/// The text with U+FFFD for what is not UTF-8, as the names of files need not be.
+std::string utf8(std::string_view text);
+
 /// SHA-256 of an input text, as hex digits: the name of an input in results.
 std::string sha256(std::string_view content);
 

@@ -131,7 +131,7 @@ nlohmann::json json_of(const Tally& t, const Scene& scene, const std::string& co
       {"schema", "talus-bench"},
       {"schema_version", 1},
       {"provenance", made_by},
-      {"scene", scene.file.filename().string()},
+      {"scene", utf8(scene.file.filename().string())},
       {"input_hash", scene.input_hash},
       {"threads", thread_count()},
       {"frames", t.frames},

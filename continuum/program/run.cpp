@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "continuum/files/atomic_file.h"
+#include "continuum/files/folder_lock.h"
 #include "continuum/files/input_error.h"
 #include "continuum/files/provenance.h"
 #include "continuum/io/budget.h"
@@ -48,7 +49,8 @@ Path scene_file_of(const Path& folder, const RunIdentity& identity) {
 }
 
 RunIdentity identity_of(const Scene& scene, const std::string& command_line) {
-  return {std::filesystem::absolute(scene.file).string(), scene.input_hash, solver_line(), command_line};
+  return {utf8(std::filesystem::absolute(scene.file).string()), scene.input_hash, solver_line(),
+          command_line};
 }
 
 /// A run at work.
@@ -65,10 +67,33 @@ struct Running {
   RunProgress progress;
 };
 
+/// The surface as the scene reads it, by name; the scene's own hash knows its file's name alone.
+std::string mesh_hash(const Mesh& mesh) {
+  std::string bytes;
+  for (const Triangle& triangle : triangles_of(mesh)) {
+    for (const Eigen::Vector3d& corner : triangle)
+      bytes.append(reinterpret_cast<const char*>(corner.data()), sizeof(Eigen::Vector3d));
+  }
+  return sha256(bytes);
+}
+
+/// Of all meshes of a scene, in its order.
+nlohmann::json mesh_hashes(const Scene& scene) {
+  nlohmann::json hashes = nlohmann::json::array();
+  const auto add = [&](const Shape& shape) {
+    if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) hashes.push_back(mesh_hash(*mesh));
+  };
+  for (const Wall& wall : scene.walls) add(wall.shape);
+  for (const Filling& filling : scene.fillings) add(filling.shape);
+  for (const Body& body : scene.bodies) add(body.shape);
+  return hashes;
+}
+
 nlohmann::json made_by(const Scene& scene, const RunIdentity& identity) {
   nlohmann::json made = provenance();
   made["command_line"] = identity.command_line;
   made["input_hash"] = identity.input_hash;
+  made["mesh_hashes"] = mesh_hashes(scene);
   made["solver"] = identity.solver;
   made["threads"] = thread_count();
   if (!scene.broken.empty()) made["broken"] = scene.broken;
@@ -147,7 +172,7 @@ void write_summary(const Running& run) {
   nlohmann::json summary{{"schema", "talus-run"},
                          {"schema_version", 1},
                          {"provenance", run.made_by},
-                         {"scene", run.scene.file.filename().string()},
+                         {"scene", utf8(run.scene.file.filename().string())},
                          {"scene_file", run.identity.scene_file},
                          {"simulated_s", run.state.time},
                          {"particles", run.state.particles.count()},
@@ -201,7 +226,8 @@ bool finished(const Path& folder) { return std::filesystem::exists(folder / "run
 int run(const RunOptions& options) {
   const Scene scene = read_scene(options.scene);
   const std::string scene_text = read_file(options.scene);
-  make_writable_folder(options.output);
+  State state = initial_state(scene);  // it may refuse the scene: nothing has been cleared away then
+  const FolderLock lock(options.output);
   if (has_checkpoint(options.output) && !finished(options.output) && !options.discard) {
     throw InputError(fmt::format(
         "{0}: holds the checkpoint of an unfinished run; go on with it by talus resume {0}, or give "
@@ -212,7 +238,6 @@ int run(const RunOptions& options) {
   clear_old_results(options.output);
   write_file_atomically(options.output / "run.toml", scene_text);
   const RunIdentity identity = identity_of(scene, options.command_line);
-  State state = initial_state(scene);
   Budget budget(state);
   Running running{options.output,
                   scene,
@@ -229,6 +254,9 @@ int run(const RunOptions& options) {
 
 int resume(const ResumeOptions& options) {
   const Path& folder = options.folder;
+  if (!std::filesystem::is_directory(folder))
+    throw InputError(fmt::format("{}: no such folder; give that of an unfinished run", folder.string()));
+  const FolderLock lock(folder);
   if (finished(folder)) throw InputError(fmt::format("{}: the run is finished", folder.string()));
   std::string told;
   Checkpoint checkpoint = read_checkpoint(folder, told);
@@ -239,7 +267,6 @@ int resume(const ResumeOptions& options) {
         "give; --other-solver goes on all the same",
         folder.string(), checkpoint.identity.solver, solver_line()));
   }
-  make_writable_folder(folder);
   const Scene scene = read_scene(scene_file_of(folder, checkpoint.identity));
   State state = initial_state(scene);
   const std::string where = (folder / checkpoint_name).string();

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <numbers>
 
 #include "continuum/scene/read_common.h"
 #include "continuum/scene/read_shape.h"
@@ -86,12 +88,68 @@ bool read_walls(const CheckedTable& root, Faults& faults, Scene& scene) {
   return all && there;
 }
 
-/// The grid sees walls at the corners of its cells, and each wall once: one that holds a cell's centre must not slip between
-/// them, nor may one that reaches a periodic end differ from what is at the other.
+namespace {
+
+using CellDistance = std::function<double(const Eigen::Vector3d&)>;  // all in cells
+
+/// Whether the way across a cell along an axis, from a place on its lower side, leads through a wall that holds neither end.
+bool slips_between(const CellDistance& distance, const Eigen::Vector3d& start, int axis) {
+  constexpr double least_depth = 1e-3;  // and the shortest step
+  const Eigen::Vector3d way = Eigen::Vector3d::Unit(axis);
+  double here = distance(start);
+  if (here <= 0.0 || distance(start + way) <= 0.0) return false;
+  for (double gone = std::max(here, least_depth); gone < 1.0; gone += std::max(here, least_depth)) {
+    here = distance(start + gone * way);
+    if (here < -least_depth) return true;
+  }
+  return false;
+}
+
+/// Whether a wall leads right across a cell without holding one of its corners.
+bool plate_between(const CellDistance& distance, const Eigen::Vector3d& cell) {
+  constexpr double at_surface = 1e-9;  // where the grid takes a corner to be on a wall
+  for (int c = 0; c < 8; ++c) {
+    if (distance(cell + Eigen::Vector3d(c & 1, c >> 1 & 1, c >> 2)) <= at_surface) return false;
+  }
+  const auto across = [&](int axis) {
+    const Eigen::Vector3d u = Eigen::Vector3d::Unit(next_axis(axis)),
+                          v = Eigen::Vector3d::Unit(last_axis(axis));
+    for (const double i : {0.25, 0.75}) {
+      for (const double j : {0.25, 0.75}) {
+        if (!slips_between(distance, cell + i * u + j * v, axis)) return false;
+      }
+    }
+    return true;
+  };
+  return across(0) || across(1) || across(2);
+}
+
+/// Whether a wall is nowhere near a place in it half a cell deep, as it is behind the edges of whatever is thick.
+bool thin_around(const CellDistance& distance, Eigen::Vector3d place) {
+  constexpr double stride = 0.25;
+  double deepest = distance(place);
+  for (int step = 0; step < 8 && deepest > -0.5; ++step) {
+    const Eigen::Vector3d from = place;
+    for (int n = 0; n < 27; ++n) {
+      const Eigen::Vector3d way = (Eigen::Array3i(n % 3, n / 3 % 3, n / 9) - 1).cast<double>();
+      if (const double there = distance(from + stride * way); there < deepest) {
+        deepest = there;
+        place = from + stride * way;
+      }
+    }
+    if (place == from) break;
+  }
+  return deepest > -0.5;
+}
+
+}  // namespace
+
+/// The grid sees walls at the corners of its cells, and each wall once: one that holds a cell's centre, or leads right across a
+/// cell, must not slip between them, nor may one that reaches a periodic end differ from what is at the other.
 void check_walls(const CheckedTable& root, const Scene& scene) {
   const Grid& grid = scene.grid;
-  const auto distance = [&](const Eigen::Vector3d& at) {
-    return nearest_wall(scene.walls, 0.0, grid.origin + grid.spacing * at).distance;
+  const CellDistance distance = [&](const Eigen::Vector3d& at) {
+    return nearest_wall(scene.walls, 0.0, grid.origin + grid.spacing * at).distance / grid.spacing;
   };
   for (int axis = 0; axis < 3 && !scene.walls.empty(); ++axis) {
     if (!grid.periodic[static_cast<std::size_t>(axis)]) continue;
@@ -102,7 +160,7 @@ void check_walls(const CheckedTable& root, const Scene& scene) {
         at[last_axis(axis)] = j;
         const double here = distance(at),
                      there = distance(at + grid.cells[axis] * Eigen::Vector3d::Unit(axis));
-        if (std::min(here, there) < grid.spacing && std::abs(here - there) > 1e-6 * grid.spacing) {
+        if (std::min(here, there) < 1.0 && std::abs(here - there) > 1e-6) {
           throw root.error(
               "wall", fmt::format("the walls must be the same at both ends of the periodic {} axis; near "
                                   "cell ({}, {}) of its end they are not",
@@ -112,11 +170,13 @@ void check_walls(const CheckedTable& root, const Scene& scene) {
     }
   }
   const Openings openings = openings_of(grid, scene.walls, 0.0);
-  for (int cell = 0; cell < grid.cells.prod() && openings.any(); ++cell) {
-    const Eigen::Vector3d centre = grid.cell_of_index(cell).cast<double>().array() + 0.5;
-    const double seen = distance_at(grid, openings, grid.origin + grid.spacing * centre).distance;
-    if (distance(centre) < -0.05 * grid.spacing && seen > 0.05 * grid.spacing) {
-      const Eigen::Vector3d at = grid.origin + grid.spacing * centre;
+  for (int n = 0; n < grid.cells.prod() && openings.any(); ++n) {
+    const Eigen::Vector3d cell = grid.cell_of_index(n).cast<double>(), centre = cell.array() + 0.5;
+    const Eigen::Vector3d at = grid.origin + grid.spacing * centre;
+    const double here = distance(centre), seen = distance_at(grid, openings, at).distance / grid.spacing;
+    const bool may_hold_a_wall = std::abs(here) <= 0.5 * std::numbers::sqrt3;
+    if ((here < -0.05 && seen > 0.05 && thin_around(distance, centre)) ||
+        (may_hold_a_wall && plate_between(distance, cell))) {
       throw root.error(
           "wall", fmt::format("a wall near ({:.4g}, {:.4g}, {:.4g}) m is thinner than a cell, and the grid "
                               "would not see it; make it thicker, or cell_size_m smaller",

@@ -39,11 +39,10 @@ Material read_material(const CheckedTable& table, const std::vector<Material>& e
 }
 
 std::size_t read_material_name(const CheckedTable& table, const std::vector<Material>& materials) {
-  const std::string name = table.string("material");
-  const auto found =
-      std::find_if(materials.begin(), materials.end(), [&](const Material& m) { return m.name == name; });
-  if (found == materials.end()) throw table.error("material", "names no [[material]] of this file");
-  return static_cast<std::size_t>(found - materials.begin());
+  std::vector<std::string_view> names;
+  for (const Material& material : materials) names.push_back(material.name);
+  const std::string name = table.choice("material", names);
+  return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
 }
 
 Filling read_filling(const CheckedTable& table, const Scene& scene) {

@@ -97,6 +97,17 @@ void check_size(const CheckedTable& root, const SceneLimits& limits, const Scene
   }
 }
 
+/// Files for other programs are told as what they are.
+void refuse_cases_and_suites(const std::filesystem::path& file) {
+  const CheckedTable root = CheckedTable::parse_file(file);
+  if (root.has("domain")) return;
+  if (root.has("kind"))
+    throw root.error("kind",
+                     "makes this a case of the discrete codes and no scene; talus-dem check reads it");
+  if (root.has("case"))
+    throw root.error("case", "makes this a suite and no scene; talus-validate list reads it");
+}
+
 /// What tables a scene may have is known before any is read: a fault in one must not make others look unknown.
 void name_tables(const CheckedTable& root) {
   for (const char* name : {"domain", "material", "wall", "sand", "source", "body", "explosion", "particles",
@@ -107,6 +118,7 @@ void name_tables(const CheckedTable& root) {
 }  // namespace
 
 Scene read_scene(const std::filesystem::path& file, const SceneLimits& limits) {
+  refuse_cases_and_suites(file);
   const CheckedTable root = CheckedTable::parse_file(file);
   root.require_schema(1);
   name_tables(root);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "continuum/files/memory.h"
 #include "continuum/scene/narrow_openings.h"
@@ -72,14 +73,15 @@ void warn_of_particles_per_cell(const Scene& scene, Texts& texts) {
                                     there, flat ? "plane strain" : "3-D", least)));
 }
 
-/// The longest step at rest, s; without gravity there is none.
-double natural_step(const Scene& scene) {
+/// Steps of a run in which the sand rests; without gravity nothing but its speed asks for any.
+double steps_at_rest(const Scene& scene) {
   const double g = scene.gravity.norm();
-  return g > 0.0 ? scene.settings.gravity_courant * std::sqrt(scene.grid.spacing / g) : scene.end_time;
+  if (g <= 0.0) return std::numeric_limits<double>::infinity();
+  return scene.end_time / (scene.settings.gravity_courant * std::sqrt(scene.grid.spacing / g));
 }
 
 void warn_of_frames(const Scene& scene, const SceneCost& cost, Texts& texts) {
-  const double interval = scene.frame_interval, steps = scene.end_time / natural_step(scene);
+  const double interval = scene.frame_interval, steps = steps_at_rest(scene);
   if (interval > scene.end_time) {
     texts.push_back(
         about(scene, "time.frame_interval_s",

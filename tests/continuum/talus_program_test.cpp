@@ -47,6 +47,47 @@ TEST(TalusProgram, RunsASceneToSnapshotsAndABudget) {
   EXPECT_GT(run["budget"]["friction_iterations"], 0);
 }
 
+TEST(TalusProgram, TellsMeshesByWhatIsInThem) {
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
+  std::ofstream(folder / "scene.toml")
+      << small_scene("0.001") << "[[wall]]\nrough = true\nshape = { kind = 'mesh', file = 'wedge.obj' }\n";
+  const auto hashes = [&](const std::string& height) {
+    std::ofstream(folder / "wedge.obj")
+        << "v 0.1 -1 -1\nv 0.2 -1 -1\nv 0.15 -1 " << height << "\nv 0.1 1 -1\nv 0.2 1 -1\nv 0.15 1 " << height
+        << "\nf 1 2 3\nf 4 6 5\nf 1 4 5 2\nf 2 5 6 3\nf 3 6 4 1\n";
+    const auto result =
+        run_program({"talus", "run", (folder / "scene.toml").string(), "-o", (folder / "out").string()});
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return nlohmann::json::parse(read_file(folder / "out" / "run.json"))["provenance"]["mesh_hashes"];
+  };
+  const auto low = hashes("0.05");
+  EXPECT_EQ(low.size(), 1u);
+  EXPECT_EQ(low, hashes("0.05"));
+  EXPECT_NE(low, hashes("0.06"));
+}
+
+TEST(TalusProgram, ARefusedSceneLeavesEarlierResultsAlone) {
+  const TestFolder temporary;
+  const auto& folder = temporary.path();
+  const auto run_of = [&](const std::string& name, const std::string& scene) {
+    std::ofstream(folder / name) << scene;
+    return run_program({"talus", "run", (folder / name).string(), "-o", (folder / "out").string()});
+  };
+  ASSERT_EQ(run_of("scene.toml", small_scene("0.01")).exit_code, 0);
+  const std::string sand =
+      "[[sand]]\nmaterial = 'sand'\nshape = { kind = 'sphere', centre_m = [0.03, 0.005, 0.03], "
+      "radius_m = 0.005 }\n";
+  const auto refused = run_of("scene.toml", small_scene("0.01") + sand);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.output, HasSubstr("overlap"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "out" / "run.json"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "out" / "snapshots.h5"));
+  const auto named = run_of("s\xff.toml", small_scene("0.01"));  // no UTF-8: as good a name as any
+  EXPECT_EQ(named.exit_code, 0) << named.output;
+  EXPECT_THAT(read_file(folder / "out" / "run.json"), HasSubstr("s\xef\xbf\xbd.toml"));
+}
+
 TEST(TalusProgram, WritesWhatBodiesDoAndTheirSurfaces) {
   const TestFolder temporary;
   const auto& folder = temporary.path();
@@ -242,7 +283,8 @@ TEST(TalusProgram, KilledHalfWayLeavesNoSnapshotsUnderTheirFinalName) {
 
 TEST(TalusProgram, SaysWhatItIs) {
   EXPECT_THAT(run_program({"talus", "--version"}).output,
-              AllOf(HasSubstr("talus 0.1.0 (git "), HasSubstr("flags: -"), HasSubstr("libraries: eigen")));
+              AllOf(HasSubstr("talus 0.1.0 (git "), HasSubstr("flags: -"), HasSubstr(" eigen 3."),
+                    HasSubstr(" ode 0.")));
   const auto solver = run_program({"talus", "--solver"});
   EXPECT_EQ(solver.exit_code, 0);
   EXPECT_THAT(solver.output, ::testing::MatchesRegex("talus 0.1.0 solver [0-9a-f]{16} g\\+\\+ .*\n"));

@@ -29,6 +29,11 @@ std::filesystem::path suite_file(const std::string& name_or_file) {
   return data_folder("validation/suites") / (name_or_file + ".toml");
 }
 
+void require_file(const CheckedTable& table, std::string_view key, const std::filesystem::path& file) {
+  if (!std::filesystem::is_regular_file(file))
+    throw table.error(key, fmt::format("{}: no such file", file.string()));
+}
+
 /// What all points of a suite share.
 struct Common {
   std::filesystem::path folder, calibration;
@@ -58,6 +63,7 @@ std::vector<std::string> read_codes(const CheckedTable& table) {
 /// The points of one [[case]], each a whole case.
 std::vector<dem::Case> read_case(const CheckedTable& table, const std::filesystem::path& folder) {
   const auto file = (folder / table.string("file")).lexically_normal();
+  require_file(table, "file", file);
   auto all = dem::read_case_points(file);
   if (!table.has("points")) return all;
   std::vector<dem::Case> wanted;
@@ -192,6 +198,7 @@ Suite read_suite(const std::string& name_or_file) {
   passes(faults, [&] { suite.mutants = read_mutants(root); });
   const bool calibrated = passes(faults, [&] {
     suite.calibration = (folder / root.string("calibration")).lexically_normal();
+    require_file(root, "calibration", suite.calibration);
     suite.calibration_hash = sha256(read_file(suite.calibration));
   });
   Common common;

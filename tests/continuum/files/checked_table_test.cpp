@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <fstream>
 
 #include "tests/test_folder.h"
@@ -48,6 +49,25 @@ TEST_F(CheckedTableTest, RefusesWhatIsNoTextAndWhatIsHuge) {
   // Nothing that a few bytes can ask for takes long or much.
   EXPECT_THAT(testing::input_error([&] { parse("a = " + std::string(100'000, '[')); }),
               HasSubstr("not valid TOML"));
+}
+
+TEST_F(CheckedTableTest, RefusesKeysOfAHundredThousandPartsAndNoOtherDots) {
+  std::string key = "a";
+  for (int part = 0; part < 100'000; ++part) key += ".a";
+  for (const std::string& text : {"x = 1\n" + key + " = 1\n", "x = 1\n[" + key + "]\n",
+                                  "x = 1\ny = {" + key + " = 1}\n", "x = 1\n" + key + " = \n"}) {
+    EXPECT_THAT(testing::input_error([&] { parse(text); }),
+                AllOf(HasSubstr("checked_table.toml:2"), HasSubstr("a key of more than 32 parts")));
+  }
+  const std::string dots(100, '.');
+  EXPECT_NO_THROW(parse("# " + dots + "\na = \"\\\"" + dots + "\"\nb = '" + dots + "'\nc = \"\"\"\n\"" +
+                        dots + "\"\"\"\nd = [" + "1.0, 1.0,\n1.5e3]\n"));
+}
+
+TEST_F(CheckedTableTest, AWrongChoiceNamesTheNearestRightOne) {
+  constexpr std::array<std::string_view, 2> kinds{"box", "sphere"};
+  EXPECT_THAT(testing::input_error([&] { parse("kind = \"bax\"\n").choice("kind", kinds); }),
+              AllOf(HasSubstr("must be one of: box, sphere"), HasSubstr("did you mean 'box'?")));
 }
 
 TEST_F(CheckedTableTest, UnknownKeyNamesTheNearestRightOne) {

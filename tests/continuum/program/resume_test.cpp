@@ -217,6 +217,17 @@ TEST_F(Resume, AnotherRunDoesNotOverwriteAnUnfinishedOneUnasked) {
   expect_what_a_straight_run_gives();
 }
 
+TEST_F(Resume, TwoRunsAtOnceInOneFolderAreRefused) {
+  const std::string script =
+      "\"$1\" run \"$2\" -o \"$3\" & pid=$!\n"
+      "until [ -e \"$3/run.toml\" ]; do sleep 0.01; done\n"
+      "\"$1\" run \"$2\" -o \"$3\" --discard; echo second $?; wait $pid; echo first $?";
+  const auto both = run_program({"sh", "-c", script, "sh", talus_program, everything, out().string()});
+  EXPECT_THAT(both.output, AllOf(HasSubstr("another program is making runs there"), HasSubstr("second 2"),
+                                 HasSubstr("first 0")));
+  expect_what_a_straight_run_gives();
+}
+
 TEST_F(Resume, WhatThereIsNothingToGoOnFromIsTold) {
   std::filesystem::create_directories(out());
   const auto empty = resume();

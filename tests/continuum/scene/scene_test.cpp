@@ -1,6 +1,7 @@
 // Scene files: what is read, and what is refused.
 #include "continuum/scene/scene.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -109,7 +110,7 @@ TEST(Scene, RefusesWhatCannotBeMeant) {
   expect_error(with("size_m = [0.2, 0.01, 0.1]", "size_m = [0.205, 0.01, 0.1]"), "whole number of cells");
   expect_error(with("size_m = [0.2, 0.01, 0.1]", "size_m = [1e6, 1e3, 1e6]"), "at most");
   expect_error(with("upper_m = [0.05, 0.01, 0.05]", "upper_m = [0.5, 0.01, 0.05]"), "inside the domain");
-  expect_error(with("material = \"sand\"", "material = \"gravel\""), "names no [[material]]");
+  expect_error(with("material = \"sand\"", "material = \"gravel\""), "must be one of: sand");
   expect_error(with("periodic = [\"y\"]", "periodic = [\"z\"]"), "a periodic axis has no sides");
   expect_error(with("per_cell_axis = 2", "per_cell_axis = 1"), "between 2 and 8");
   expect_error(with("per_cell_axis = 2", "per_cell = [2, 0, 2]"), "between 1 and 8");
@@ -217,7 +218,7 @@ TEST(Scene, RefusesSourcesThatCannotBeMeant) {
   refused("[0.0, 0.0, -0.5]", "[0.5, 0.0, 0.0]", "must not be 0 along the inlet's normal");
   refused("\"rectangle\"", "\"square\"", "rectangle");
   refused("outline = \"rectangle\"\n", "", "outline': is missing");
-  refused("material = \"sand\"", "material = \"salt\"", "names no [[material]]");
+  refused("material = \"sand\"", "material = \"salt\"", "did you mean 'sand'?");
   expect_error(good_scene + inlet + "fill = 1.2\n", "between 0.01 and 1");
   expect_error(good_scene + inlet + "fill = 0.0\n", "between 0.01 and 1");
   expect_error(good_scene + inlet + "start_s = -1.0\n", "start_s");
@@ -345,6 +346,16 @@ TEST(Scene, RefusesWallsThatTheGridCannotSeeOrThatDifferAtPeriodicEnds) {
   };
   expect_error(walled("{ kind = \"box\", lower_m = [-1.0, -1.0, 0.081], upper_m = [1.0, 1.0, 0.089] }"),
                "is thinner than a cell");
+  // Plates that hold neither a cell's corner nor its middle: across x, across z, and as thin as 1/50 of a cell.
+  for (const char* plate : {"lower_m = [0.1002, -1.0, -1.0], upper_m = [0.1048, 1.0, 1.0]",
+                            "lower_m = [0.1006, -1.0, -1.0], upper_m = [0.1096, 1.0, 1.0]",
+                            "lower_m = [-1.0, -1.0, 0.0851], upper_m = [1.0, 1.0, 0.0898]",
+                            "lower_m = [0.1003, -1.0, -1.0], upper_m = [0.1005, 1.0, 1.0]"})
+    expect_error(walled(fmt::format("{{ kind = \"box\", {} }}", plate)), "is thinner than a cell");
+  // Ends and edges of what is thick may lie anywhere.
+  for (const char* block : {"lower_m = [0.1002, -1.0, -1.0], upper_m = [0.1448, 1.0, 0.0556]",
+                            "lower_m = [0.1056, -1.0, 0.0556], upper_m = [0.1456, 1.0, 0.0956]"})
+    EXPECT_NO_THROW(read(walled(fmt::format("{{ kind = \"box\", {} }}", block)))) << block;
   EXPECT_NO_THROW(
       read(walled("{ kind = \"box\", lower_m = [-1.0, -1.0, 0.08], upper_m = [1.0, 1.0, 0.09] }")));
   expect_error(walled("{ kind = \"sphere\", centre_m = [0.15, 0.0, 0.05], radius_m = 0.02 }"),

@@ -7,6 +7,7 @@
 
 #include "continuum/files/atomic_file.h"
 #include "tests/test_folder.h"
+#include "validation/suites/warnings.h"
 
 namespace talus::validation {
 namespace {
@@ -24,6 +25,25 @@ std::string tiny_suite_with(const testing::TestFolder& folder, const std::string
   const auto file = folder.path() / "suite.toml";
   std::ofstream(file) << testing::replaced(text, from, to);
   return file.string();
+}
+
+TEST(SuiteWarnings, TellOfOpeningsGrainsAndMemory) {
+  const testing::TestFolder folder;
+  const std::string file =
+      tiny_suite_with(folder, "tiny_column.toml\"\ncells = 10", "tiny_slot.toml\"\ncells = 4");
+  const Suite suite = read_suite(file);
+  const auto runs = plan_runs(suite, folder.path());
+  EXPECT_THAT(
+      suite_warnings(suite, runs, 1e12),
+      ::testing::Contains(AllOf(HasSubstr("suite.toml"), HasSubstr("key 'cells' = 4 across the opening"))));
+  EXPECT_THAT(suite_warnings(suite, runs, 1e12),
+              ::testing::Contains(HasSubstr("grains; figures of fewer than 500")));
+  EXPECT_THAT(suite_warnings(suite, runs, 1e12),
+              ::testing::Not(::testing::Contains(HasSubstr("needs about"))));
+  EXPECT_THAT(suite_warnings(suite, runs, 1e6),
+              ::testing::Contains(AllOf(HasSubstr("needs about"), HasSubstr("1 MB are free"))));
+  const Suite smoke = read_suite("smoke");
+  EXPECT_THAT(suite_warnings(smoke, plan_runs(smoke, folder.path()), 1e12), ::testing::IsEmpty());
 }
 
 TEST(Suite, SmokeRunsAllThreeCodesAfreshWithTwoSeedsEach) {

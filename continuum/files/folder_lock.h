@@ -1,15 +1,15 @@
-// Keeps other programs out of a folder of runs for as long as it lives.
+// Keeps other programs out of a folder that runs are made in, for as long as it lives.
 #pragma once
 
 #include <filesystem>
 
-namespace talus::dem {
+namespace talus {
 
 enum class Sharing { alone, shared };  // shared: with others that share it
 
 class FolderLock {
  public:
-  /// Makes the folder. Throws InputError when another program has it.
+  /// Makes the folder. Throws InputError when another program has it, or it cannot be written.
   explicit FolderLock(const std::filesystem::path& folder, Sharing sharing = Sharing::alone);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
@@ -19,4 +19,4 @@ class FolderLock {
   int descriptor_;
 };
 
-}  // namespace talus::dem
+}  // namespace talus

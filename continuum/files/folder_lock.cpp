@@ -1,4 +1,4 @@
-#include "dem_cases/reference/folder_lock.h"
+#include "continuum/files/folder_lock.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 #include "continuum/files/atomic_file.h"
 #include "continuum/files/input_error.h"
 
-namespace talus::dem {
+namespace talus {
 
 FolderLock::FolderLock(const std::filesystem::path& folder, Sharing sharing) {
   make_writable_folder(folder);
@@ -29,4 +29,4 @@ FolderLock::FolderLock(const std::filesystem::path& folder, Sharing sharing) {
 
 FolderLock::~FolderLock() { ::close(descriptor_); }
 
-}  // namespace talus::dem
+}  // namespace talus
