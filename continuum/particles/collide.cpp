@@ -1,6 +1,7 @@
 #include "continuum/particles/collide.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "continuum/parallel.h"
 #include "continuum/solids/body_images.h"
@@ -49,6 +50,46 @@ bool is_clear(const Grid& grid, const Openings& openings, const Eigen::Vector3d&
   return lowest >= 0.0;
 }
 
+/// A way out of a wall, and how far it is, m.
+struct WayOut {
+  Eigen::Vector3d normal;
+  double length;
+};
+
+/// How far it is out of a wall along a direction, m; `longest` where it is no less.
+double length_of_way(const Grid& grid, const Openings& openings, const Eigen::Vector3d& position,
+                     const Eigen::Vector3d& direction, double longest) {
+  constexpr double shortest_stride = 0.02;  // cells
+  double length = 0.0;
+  while (length < longest) {
+    const double here = distance_near(grid, openings, position + length * direction).distance;
+    if (here >= 0.0) break;
+    length += std::max(-here, shortest_stride * grid.spacing);
+  }
+  return std::min(length, longest);
+}
+
+/// Along the gradient of the interpolated distance, where that is nearly a distance. In the middle of what is thin the gradient vanishes
+/// and tells neither where nor how far: there the shortest of 26 ways, to neighbours in a lattice.
+std::optional<WayOut> way_out(const Grid& grid, const Openings& openings, const Eigen::Vector3d& position) {
+  constexpr double least_gradient = 0.75;  // of 1, where all is well
+  constexpr double longest = 3.0;          // cells
+  const auto [distance, gradient] = distance_near(grid, openings, position);
+  if (distance >= 0.0) return std::nullopt;
+  const double slope = gradient.norm();
+  if (slope >= least_gradient) return WayOut{gradient.normalized(), -distance / slope};
+  WayOut best{Eigen::Vector3d::Zero(), longest * grid.spacing};
+  for (int n = 0; n < 27; ++n) {
+    const Eigen::Vector3d way = (Eigen::Array3i(n % 3, n / 3 % 3, n / 9) - 1).cast<double>();
+    if (way.isZero()) continue;
+    const Eigen::Vector3d direction = way.normalized();
+    const double length = length_of_way(grid, openings, position, direction, best.length);
+    if (length < best.length) best = {direction, length};
+  }
+  if (best.normal.isZero()) return std::nullopt;
+  return best;
+}
+
 /// Puts a particle back on the wall it is in, calling touch(normal, cell) at each wall it comes off; returns how far it
 /// moved, m.
 template <class Touch>
@@ -58,15 +99,14 @@ double put_back(const Grid& grid, const Openings& openings, Particles& particles
   if (is_clear(grid, openings, particles.positions.col(p))) return moved;
   for (int round = 0; round < rounds; ++round) {
     const Eigen::Vector3d position = particles.positions.col(p);
-    const auto [distance, gradient] = distance_near(grid, openings, position);
-    if (distance >= 0.0 || gradient.squaredNorm() == 0.0) break;
-    const Eigen::Vector3d normal = gradient.normalized();
+    const auto way = way_out(grid, openings, position);
+    if (!way) break;
     const Eigen::Vector3i cell =
         grid.cell_at(position).cwiseMax(0).cwiseMin(grid.cells - Eigen::Vector3i::Ones());
-    touch(normal, grid.cell_index(cell));
+    touch(way->normal, grid.cell_index(cell));
     // The interpolated distance is not quite a distance; going a little further ends the rounds sooner.
-    const double step = -distance / gradient.norm() + 1e-9 * grid.spacing;
-    particles.positions.col(p) += step * normal;
+    const double step = way->length + 1e-9 * grid.spacing;
+    particles.positions.col(p) += step * way->normal;
     moved += step;
   }
   return moved;

@@ -166,7 +166,9 @@ class Merger {
         (1.0 - share) * particles_.shapes.col(i).head<3>() + share * particles_.shapes.col(j).head<3>();
     if (diagonal.maxCoeff() > longest_ * longest_) return false;
     const Union u = unite(particles_, i, j);
-    return u.shape.allFinite() && !is_longer(u.shape, longest_) && allowed_(u.position);
+    return u.shape.allFinite() && !is_longer(u.shape, longest_) &&
+           allowed_(particles_.positions.col(i), u.position) &&
+           allowed_(particles_.positions.col(j), u.position);
   }
 
   const Allowed& allowed_;

@@ -25,8 +25,9 @@
 
 namespace talus {
 
-/// True where sand may be: the domain is checked besides.
-using Allowed = std::function<bool(const Eigen::Vector3d& position)>;
+/// Whether sand that is at `from` may be at `to`: neither there nor on the straight way is a solid, however thin. Over periodic ends the way
+/// goes on; `to` lies in the domain but for them.
+using Allowed = std::function<bool(const Eigen::Vector3d& from, const Eigen::Vector3d& to)>;
 
 /// When to split and merge. Lengths in cells h; masses in those of a full cell, rho_max h^3.
 struct ReshapeRules {
@@ -50,7 +51,7 @@ struct ReshapeRules {
 struct SplitReport {
   Eigen::Index splits = 0;
   // Particles left too long:
-  Eigen::Index put_off = 0;     // a child would lie outside the domain or where sand is not allowed
+  Eigen::Index put_off = 0;     // a child would lie outside the domain, in a solid or behind one
   Eigen::Index too_light = 0;   // children below smallest_split_mass
   Eigen::Index unfinished = 0;  // after most_split_rounds
 };

@@ -49,9 +49,8 @@ SplitReport split(const Grid& grid, std::span<const Material> materials, const A
                   const ReshapeRules& rules, Particles& particles) {
   SplitReport report;
   const double longest = rules.split_semi_axis * grid.spacing;
-  const auto has_room = [&](const Vector3d& position) {
-    const Vector3d inside = grid.wrapped_position(position);
-    return grid.contains(inside) && allowed(inside);
+  const auto has_room = [&](const Vector3d& centre, const Vector3d& position) {
+    return grid.contains(grid.wrapped_position(position)) && allowed(centre, position);
   };
   const auto too_light = [&](Index p) {
     const auto material = static_cast<std::size_t>(particles.materials[static_cast<std::size_t>(p)]);
@@ -75,7 +74,7 @@ SplitReport split(const Grid& grid, std::span<const Material> materials, const A
       }
       const Vector3d centre = particles.positions.col(p),
                      offset = offset_of_halves(shape_matrix(particles, p));
-      if (!has_room(centre + offset) || !has_room(centre - offset)) {
+      if (!has_room(centre, centre + offset) || !has_room(centre, centre - offset)) {
         ++report.put_off;
       } else {
         halved.push_back({p, offset});

@@ -9,8 +9,9 @@
 
 namespace talus {
 
-/// No body is thinner than this, in cells, where the grid sees it: else sand would leak through.
-inline constexpr double least_thickness = 1.1;
+/// No body is thinner than this, in cells, where the grid sees it: what goes half a cell into one (largest_allowed_move) is then still nearer to
+/// the side it came from, by more than interpolated distances are off.
+inline constexpr double least_thickness = 1.3;
 
 /// How much each body is swollen on a grid of this spacing, m (thickening).
 std::vector<double> swellings(std::span<const Body> bodies, double spacing);

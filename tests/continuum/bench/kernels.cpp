@@ -266,8 +266,8 @@ Kernel reshaping(const Specimen& s, Start) {
           [&s, particles] {
             return timed([&] {
               return split_and_merge(
-                  s.state.grid, s.state.materials, [](const auto&) { return true; }, {}, s.moment.dt,
-                  *particles);
+                  s.state.grid, s.state.materials, [](const auto&, const auto&) { return true; }, {},
+                  s.moment.dt, *particles);
             });
           }};
 }

@@ -6,7 +6,9 @@
 #include <random>
 
 #include "continuum/particles/move.h"
+#include "continuum/solids/body_step.h"
 #include "continuum/solids/wall.h"
+#include "continuum/step.h"
 #include "tests/continuum/particles/particle_sums.h"
 
 namespace talus {
@@ -129,6 +131,34 @@ TEST(Collide, WhatLeavesThroughAnOpenSideIsLeftToLeave) {
   collide({plane({0, 0, 0}, Vector3d::UnitZ(), 0.0)}, particles);
   EXPECT_LT((particles.positions.col(0) - Vector3d(-0.02, 0.5, 0.0)).norm(), on_wall);
   EXPECT_EQ(remove_departed(grid, particles).count, 1);
+}
+
+TEST(Collide, OutOfAThinPlateTheWayIsBack) {
+  // As thin as bodies are made for the grid, and turned: half way through it the interpolated distance has hardly a gradient.
+  const double half = 0.5 * least_thickness * h;
+  Box plate{{0.5, 0.5, 0.5}, {2.0, 2.0, half}};
+  plate.rotation =
+      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), Vector3d(0.3, 0.2, 1.0)).toRotationMatrix();
+  const Vector3d normal = plate.rotation.col(2);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> unit(0.2, 0.8);
+  Particles particles;
+  for (int i = 0; i < 2000; ++i) {
+    const Vector3d at(unit(random), unit(random), unit(random));
+    if (std::abs(normal.dot(at - plate.centre)) < half)
+      testing::add_particle(at, 1.0, 1e-4 * Eigen::Matrix3d::Identity(), particles);
+  }
+  ASSERT_GT(particles.count(), 200);
+  const Particles before = particles;
+  EXPECT_LT(collide({{Shape{plate}, 0.3}}, particles).deepest, h);
+  for (Eigen::Index p = 0; p < particles.count(); ++p) {
+    const double was = normal.dot(before.positions.col(p) - plate.centre),
+                 is = normal.dot(particles.positions.col(p) - plate.centre);
+    EXPECT_GT(std::abs(is), 0.7 * half);
+    if (std::abs(was) > half - largest_allowed_move * h) {
+      EXPECT_EQ(is > 0.0, was > 0.0) << was / half;
+    }
+  }
 }
 
 class Cloud : public ::testing::Test {

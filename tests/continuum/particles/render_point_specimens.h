@@ -23,7 +23,7 @@ inline const std::vector<Material> materials{{"sand", 2500.0, 0.6, 0.5, {}}};
 inline const double full = materials[0].max_density();  // kg/m^3
 inline constexpr double dt = 0.01;
 
-inline const auto everywhere = [](const Vector3d&) { return true; };
+inline const auto everywhere = [](const Vector3d&, const Vector3d&) { return true; };
 
 inline Matrix3d oblique(double a, double b, double c) {
   const Matrix3d turn = (Eigen::AngleAxisd(0.7, Vector3d(1.0, 2.0, -0.5).normalized())).toRotationMatrix();

@@ -22,7 +22,7 @@ constexpr double dt = 0.01;
 const std::vector<Material> materials{{"sand", 2500.0, 0.6, 0.5}, {"gravel", 2700.0, 0.55, 0.7}};
 const Grid grid{{-0.5, -0.5, -0.5}, 1.0, {1, 1, 1}, {false, false, false}};  // one cell
 
-bool everywhere(const Vector3d&) { return true; }
+bool everywhere(const Vector3d&, const Vector3d&) { return true; }
 
 /// Whatever may merge or split by its shape, in a cell as large as needed.
 ReshapeRules loose_rules() {

@@ -26,7 +26,7 @@ const double full = 1500.0 * h * h * h;
 const Grid grid{Vector3d::Zero(), h, {6, 5, 4}, {false, false, false}};
 const Vector3d centre(0.25, 0.25, 0.25);  // of a cell
 
-bool everywhere(const Vector3d&) { return true; }
+bool everywhere(const Vector3d&, const Vector3d&) { return true; }
 
 ReshapeRules no_floor() {
   ReshapeRules rules;
@@ -100,7 +100,7 @@ TEST(Split, IsPutOffWhereAChildWouldLeaveTheDomainOrEnterAWall) {
   add_particle({0.45, 0.25, 0.25}, full / 8.0, ellipsoid(0.1, 0.02, 0.02), particles);  // beside the wall
   add_particle({0.25, 0.25, 0.25}, full / 8.0, ellipsoid(0.1, 0.02, 0.02), particles);  // in the open
   const Particles before = particles;
-  const auto left_of_wall = [](const Vector3d& x) { return x[0] < 0.48; };
+  const auto left_of_wall = [](const Vector3d&, const Vector3d& x) { return x[0] < 0.48; };
   const SplitReport report = split(grid, materials, left_of_wall, {}, particles);
   EXPECT_EQ(report.put_off, 2);
   EXPECT_EQ(report.splits, 1);
@@ -228,8 +228,16 @@ TEST(Merge, EachConditionAloneKeepsAPairApart) {
   outside.positions.row(0).array() -= 1.0;
   EXPECT_EQ(merges(outside), 0) << "outside the domain";
 
-  EXPECT_EQ(merges(pair(), no_floor(), [](const Vector3d& x) { return (x - centre).norm() > 1e-3; }), 0)
+  EXPECT_EQ(merges(pair(), no_floor(),
+                   [](const Vector3d&, const Vector3d& x) { return (x - centre).norm() > 1e-3; }),
+            0)
       << "their centre is in a wall";
+  for (const Eigen::Index shut_in : {0, 1}) {
+    const Vector3d place = pair().positions.col(shut_in);
+    EXPECT_EQ(
+        merges(pair(), no_floor(), [&](const Vector3d& from, const Vector3d&) { return from != place; }), 0)
+        << "a wall is between them";
+  }
 }
 
 TEST(Merge, CellWithEightParticlesMergesNone) {

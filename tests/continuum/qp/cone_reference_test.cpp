@@ -99,11 +99,12 @@ TEST(ConeReference, AgreesOnTheFrictionOfATinyCollapse) {
   expect_agreement(testing::friction_problem(testing::collapse_moment({2, 2, 2}, 3)));
 }
 
-// Descent by blocks is slow here: as far as it comes, both must lie within their duality gaps of the least energy.
+// Descent by blocks is slow here: as far as it comes, both must lie within their duality gaps of the least energy. Ours gets to a gap of
+// 3e-10 in 20,000 iterations, and to 1e-10 not in a million.
 TEST(ConeReference, AgreesOnTheFrictionAtBodies) {
   auto problem = std::get<ConeQp>(testing::step_with_bodies(0.01).last("friction"));
   const double energy_before = 0.5 * (problem.mass * problem.free_velocity.square()).sum();
-  problem.settings = {1e-10 * energy_before, 200000};
+  problem.settings = {1e-9 * energy_before, 200000};
   const ConeQpSolution ours = solve(problem);
   EXPECT_TRUE(ours.result.converged);
   const Reference reference = coordinate_descent(problem, 2000);

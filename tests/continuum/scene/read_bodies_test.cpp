@@ -160,11 +160,11 @@ TEST_F(ReadBodies, SandKeepsOutOfThem) {
   EXPECT_TRUE(state.openings.any());
   const State without = initial_state(read(""));
   const double swelling = swellings(scene.bodies, scene.grid.spacing)[0];
-  EXPECT_NEAR(swelling, 0.0055 - 0.004, 1e-12);
+  EXPECT_NEAR(swelling, 0.5 * least_thickness * 0.01 - 0.004, 1e-12);
   for (Eigen::Index p = 0; p < state.particles.count(); ++p)
     EXPECT_GE(signed_distance(scene.bodies[0], state.particles.positions.col(p)), swelling);
   const double removed = static_cast<double>(without.particles.count() - state.particles.count());
-  EXPECT_NEAR(removed, 8.0 * 2.2 * 2.2, 6.0);  // 2 x 2 cells, and what it is swollen by
+  EXPECT_NEAR(removed, 8.0 * 2.5 * 2.5, 6.0);  // 2 x 2 cells, and the quarter of one that it is swollen by
 }
 
 TEST_F(ReadBodies, Explosions) {
