@@ -339,6 +339,12 @@ TEST(Scene, OursCanAllBeRead) {
   EXPECT_GE(scenes, 4);
 }
 
+TEST(Scene, TellsWhatReadsFilesThatAreNoScenes) {
+  expect_error(read_file(TALUS_SOURCE_DIR "/dem_cases/column_collapse/case.toml"),
+               "talus-dem check reads it");
+  expect_error(read_file(TALUS_SOURCE_DIR "/validation/suites/smoke.toml"), "talus-validate list reads it");
+}
+
 TEST(Scene, RefusesWallsThatTheGridCannotSeeOrThatDifferAtPeriodicEnds) {
   const auto walled = [&](const std::string& shape) {
     return testing::replaced(good_scene, "[particles]",
