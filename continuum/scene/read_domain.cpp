@@ -94,15 +94,17 @@ using CellDistance = std::function<double(const Eigen::Vector3d&)>;  // all in c
 
 /// Whether the way across a cell along an axis, from a place on its lower side, leads through a wall that holds neither end.
 bool slips_between(const CellDistance& distance, const Eigen::Vector3d& start, int axis) {
-  constexpr double least_depth = 1e-3;  // and the shortest step
+  constexpr double least_depth = 1e-3;  // and the shortest stride
   const Eigen::Vector3d way = Eigen::Vector3d::Unit(axis);
   double here = distance(start);
   if (here <= 0.0 || distance(start + way) <= 0.0) return false;
-  for (double gone = std::max(here, least_depth); gone < 1.0; gone += std::max(here, least_depth)) {
+  double gone = 0.0;
+  while (here >= -least_depth) {
+    gone += std::max(here, least_depth);
+    if (gone >= 1.0) return false;
     here = distance(start + gone * way);
-    if (here < -least_depth) return true;
   }
-  return false;
+  return true;
 }
 
 /// Whether a wall leads right across a cell without holding one of its corners.
