@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "continuum/grid/free_way.h"
 #include "continuum/parallel.h"
 #include "continuum/particles/sort.h"
 #include "continuum/solids/body_contacts.h"
@@ -244,25 +245,10 @@ void update_particles(const StepSettings& settings, const Occupied& now, const G
   report.largest_move = advanced.largest_move;
 }
 
-/// Whether `to` is outside solids, and nothing of one, however thin, is on the straight way to it; `from` itself may be on one.
-bool is_free_way(const State& state, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-  if (!state.openings.any()) return true;
-  const Eigen::Vector3d way = to - from;
-  const double length = way.norm();
-  double gone = length;  // backwards
-  do {
-    const Eigen::Vector3d at = length > 0.0 ? Eigen::Vector3d(from + gone / length * way) : to;
-    const double here = distance_at(state.grid, state.openings, state.grid.wrapped_position(at)).distance;
-    if (here <= 0.0) return false;
-    gone -= std::max(here, 0.05 * state.grid.spacing);
-  } while (gone > 0.0);
-  return true;
-}
-
 ReshapeReport reshape(const StepSettings& settings, double dt, State& state) {
   if (!settings.reshape) return {};
   const auto allowed = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-    return is_free_way(state, from, to);
+    return is_free_way(state.grid, state.openings, from, to);
   };
   return split_and_merge(state.grid, state.materials, allowed, settings.reshape_rules, dt, state.particles);
 }
