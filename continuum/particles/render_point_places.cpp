@@ -1,5 +1,7 @@
 #include "continuum/particles/render_point_places.h"
 
+#include <limits>
+
 namespace talus {
 namespace {
 
@@ -31,11 +33,18 @@ bool put_on_sides(const Surroundings& around, Vector3d& position) {
   return position != before;
 }
 
-bool is_within(const Surroundings& around, const Vector3d& centre, double reach) {
-  Vector3d lower = centre.array() - reach, upper = centre.array() + reach;
-  if (put_on_sides(around, lower) || put_on_sides(around, upper)) return true;
-  // Between corners of cells, distances are not quite so.
-  return around.openings.any() && distance_of_walls(around, centre).distance < 1.25 * reach;
+double clear_distance(const Surroundings& around, const Vector3d& centre) {
+  constexpr double of_distance = 0.8;  // between corners of cells, distances are not quite so
+  double least = std::numeric_limits<double>::infinity();
+  if (around.openings.any()) least = of_distance * distance_of_walls(around, centre).distance;
+  const Vector3d upper = around.grid.upper();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    if (around.grid.periodic[a]) continue;
+    if (around.sides[a][0].wall) least = std::min(least, centre[axis] - around.grid.origin[axis]);
+    if (around.sides[a][1].wall) least = std::min(least, upper[axis] - centre[axis]);
+  }
+  return std::max(0.0, least);
 }
 
 }  // namespace
@@ -55,7 +64,7 @@ Parent::Parent(const Surroundings& around, const Particles& particles, Eigen::In
       centre_(particles.positions.col(p)),
       shape_(shape_matrix(particles, p)),
       inverse_shape_(shape_.inverse()),
-      near_wall_(is_within(around, centre_, farthest_offset * std::sqrt(shape_.trace()))) {}
+      clear_(clear_distance(around, centre_)) {}
 
 bool Parent::put_inside(Vector3d& position) const {
   put_on_sides(around_, position);
@@ -84,7 +93,7 @@ Vector3d Parent::sample(Draws draws) const {
   for (int draw = 0; draw < most_draws; ++draw) {
     if (draw >= whole_draws) scale *= 0.75;
     Vector3d offset = scale * map * draws.in_ball();
-    if (!near_wall_) return offset;
+    if (is_clear(offset)) return offset;
     Vector3d position = centre_ + offset;
     if (!put_on_sides(around_, position) &&
         !(around_.openings.any() && distance_of_walls(around_, position).distance < 0.0))

@@ -26,7 +26,7 @@ class Parent {
   }
   /// Puts a point that is in a wall on it; false where that did not succeed, or the point is too far out.
   bool keeps(Eigen::Vector3d& offset) const {
-    return (!near_wall_ || move_inside(offset)) &&
+    return (is_clear(offset) || move_inside(offset)) &&
            squared_distance(offset) <= farthest_offset * farthest_offset;
   }
   /// An offset that is uniform in the ellipsoid where points may be; closer and closer to the centre, where they may be, if
@@ -34,13 +34,16 @@ class Parent {
   Eigen::Vector3d sample(Draws draws) const;
 
  private:
+  /// Whether no wall can be there.
+  bool is_clear(const Eigen::Vector3d& offset) const { return offset.squaredNorm() < clear_ * clear_; }
   bool move_inside(Eigen::Vector3d& offset) const;
   bool put_inside(Eigen::Vector3d& position) const;
 
   const Surroundings& around_;
   Eigen::Vector3d centre_;
   Eigen::Matrix3d shape_, inverse_shape_;
-  bool near_wall_;  // so near that points may be in it
+  double
+      clear_;  // from the centre to the nearest wall or side that is one, at least, m; 0 where the centre is in one
 };
 
 }  // namespace talus
