@@ -3,10 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <complex>
-
 #include "continuum/io/budget.h"
-#include "tests/continuum/scenes.h"
+#include "tests/continuum/splash.h"
 
 namespace talus {
 namespace {
@@ -215,55 +213,23 @@ TEST(SeedScenes, ColumnCollapsesToAMoundThatHardlyMoves) {
   EXPECT_LT(speed, 0.15);
 }
 
-/// By how much what is thrown up goes further in some directions than in others: the larger of the amplitudes of two and four
-/// periods around the axis in the mean distance from it, over that distance; of particles that rise by more than 0.1 m/s
-/// outside the sphere's radius. Chance alone gives sqrt(2 / particles). Several runs add up.
-struct Splash {
-  double radii = 0.0;  // kg m
-  std::array<std::complex<double>, 2> waves{};
-  int particles = 0;
-
-  void add(const State& state) {
-    for (Eigen::Index p = 0; p < state.particles.count(); ++p) {
-      const Vector3d x = state.particles.positions.col(p) - Vector3d(0.1, 0.1, 0.0);
-      const double m = state.particles.masses[p], r = std::hypot(x[0], x[1]), angle = std::atan2(x[1], x[0]);
-      if (state.particles.velocities(2, p) < 0.1 || r < 0.013 || x[2] < 0.07) continue;
-      radii += m * r;
-      ++particles;
-      for (std::size_t k = 0; k < 2; ++k)
-        waves[k] += 2.0 * m * r * std::polar(1.0, (k == 0 ? 2.0 : 4.0) * angle);
-    }
-  }
-  double anisotropy() const { return std::max(std::abs(waves[0]), std::abs(waves[1])) / radii; }
-  double by_chance() const { return std::sqrt(2.0 / particles); }
-};
-
-/// The splash 0.02, 0.04 and 0.06 s after the start, of three arrangements of the same sand together.
-std::array<Splash, 3> splash(Scheme scheme) {
-  std::array<Splash, 3> splashes;
-  for (const std::uint64_t seed : {1, 2, 3}) {
-    Scene scene = without_render_points(small_scene("splash"));
-    scene.settings.scheme = scheme;
-    scene.seed = seed;
-    State state = initial_state(scene);
-    for (std::size_t moment = 0; moment < splashes.size(); ++moment) {
-      run_to(scene, state, 0.02 * static_cast<double>(moment + 1));
-      splashes[moment].add(state);
-    }
-  }
-  return splashes;
+/// The splash after each of the splash_moments, of three arrangements of the same sand together.
+std::array<testing::Splash, 3> splash(Scheme scheme) {
+  Scene scene = without_render_points(small_scene("splash"));
+  scene.settings.scheme = scheme;
+  return testing::splashes(scene, 3);
 }
 
 // "Some anisotropy visible in the splash is due to the linearization of the friction constraint (5.15)": ours has the cone.
 TEST(SeedScenes, SplashIsRoundWithTheConeAndSquareWithTheBox) {
   const auto cone = splash(Scheme::consistent), box = splash(Scheme::paper);
   for (std::size_t moment = 0; moment < cone.size(); ++moment) {
-    const auto told = [&](const Splash& s) {
+    const auto told = [&](const testing::Splash& s) {
       return fmt::format("{:.3f} (by chance {:.3f}, {} particles)", s.anisotropy(), s.by_chance(),
                          s.particles);
     };
     fmt::print("[ measured ] splash after {:.2f} s: anisotropy {} with the cone, {} with the source's box\n",
-               0.02 * static_cast<double>(moment + 1), told(cone[moment]), told(box[moment]));
+               testing::splash_moments[moment], told(cone[moment]), told(box[moment]));
   }
   EXPECT_GT(cone[0].particles, 500);
   EXPECT_LT(cone[0].anisotropy(), 0.05);
